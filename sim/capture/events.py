@@ -1,0 +1,163 @@
+"""What happened, in words: events read from the recorded ticks, so that a replay tells the same story."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from sim.capture.snapshot import Outcome, OutcomeClass, Published, Touch
+from sim.config import MissionConfig
+from sim.control.phases import Activity, Phase
+
+Severity = Literal["info", "warning", "error"]
+Ticks = np.ndarray[Any, np.dtype[Any]]
+
+
+class Event(Published):
+    """Something that happened at one tick."""
+
+    time: float = Field(description="Mission time [s]")
+    tick: int
+    kind: str = Field(
+        description="phase, plan, touch, touch_end, spin_threshold, closed, locked, verdict, solid_contact, "
+        "base_overlap, rate_limit, manipulability, command, config or fault"
+    )
+    severity: Severity
+    message: str
+
+
+class _Flag(NamedTuple):
+    """A field of the tick that becomes true with an event."""
+
+    field: str
+    kind: str
+    severity: Severity
+    message: str
+
+
+_FLAGS = (
+    _Flag("solid_contact", "solid_contact", "warning", "The target strikes a link or the back of a hand"),
+    _Flag("base_overlap", "base_overlap", "error", "The target strikes the base"),
+    _Flag("rate_limited", "rate_limit", "warning", "Joint rates are at their limit: an arm is near a singularity"),
+)
+
+_PHASE_MESSAGES = {
+    Phase.IDLE: "Idle",
+    Phase.DETUMBLING: "Detumbling begins",
+    Phase.CAGING: "Caging begins: the spin is under its threshold",
+    Phase.HOLDING: "Joint rates are zero: the arms hold",
+    Phase.RELEASED: "The hands open",
+    Phase.STOPPED: "Stopped: joint rates are zero",
+    Phase.FAULTED: "Fault: the plant can no longer be trusted",
+}
+
+
+def events_of(ticks: Ticks, before: Ticks, config: MissionConfig) -> list[Event]:
+    """The events within consecutive ticks; the one tick before them only tells what they change from."""
+    story = _Story(ticks, before)
+    events = [*_phase_events(story), *_plan_events(story), *_flag_events(story), *_spin_events(story, config)]
+    return sorted(events, key=lambda event: event.tick)
+
+
+class _Story(NamedTuple):
+    """Consecutive ticks and the one before."""
+
+    ticks: Ticks
+    before: Ticks
+
+    def values(self, field: str) -> Ticks:
+        """A field of the tick before and of all ticks."""
+        return np.concatenate([self.before[field], self.ticks[field]])
+
+    def event(self, place: int, kind: str, severity: Severity, message: str) -> Event:
+        """An event at one of the ticks."""
+        row = self.ticks[place]
+        return Event(time=float(row["time"]), tick=int(row["tick"]), kind=kind, severity=severity, message=message)
+
+
+def _changes(values: Ticks) -> list[int]:
+    """Places among the ticks where a value, given from the tick before on, differs from the one before."""
+    return [int(place) for place in np.flatnonzero(values[1:] != values[:-1])]
+
+
+def _phase_events(story: _Story) -> Iterator[Event]:
+    for place in _changes(story.values("phase")):
+        phase = Phase(int(story.ticks["phase"][place]))
+        bad = phase in (Phase.STOPPED, Phase.FAULTED)
+        yield story.event(place, "phase", "warning" if bad else "info", _PHASE_MESSAGES[phase])
+
+
+def _plan_events(story: _Story) -> Iterator[Event]:
+    for place in _changes(story.values("plan")):
+        what = {
+            Activity.APPROACHING: "A touch is planned",
+            Activity.CLOSING: "The closing of both hands is planned",
+            Activity.OPENING: "The opening of both hands is planned",
+        }.get(Activity(int(story.ticks["activity"][place])))
+        if what:
+            yield story.event(place, "plan", "info", what)
+
+
+def _flag_events(story: _Story) -> Iterator[Event]:
+    for flag in _FLAGS:
+        for place in _changes(story.values(flag.field)):
+            if story.ticks[flag.field][place]:
+                yield story.event(place, flag.kind, flag.severity, flag.message)
+
+
+def _spin_events(story: _Story, config: MissionConfig) -> Iterator[Event]:
+    threshold = config.control.caging.spin_threshold
+    spins = story.values("target_twist")[:, 2]
+    for place in _changes(np.abs(spins) < threshold):
+        spin = float(spins[place + 1])
+        slow = abs(spin) < threshold
+        message = f"Spin {spin:.3f} rad/s is {'under' if slow else 'over'} its threshold of {threshold:g} rad/s"
+        yield story.event(place, "spin_threshold", "info" if slow else "warning", message)
+
+
+def touch_event(touch: Touch, period: float) -> Event:
+    """The event of a touch that begins (it has no end yet) or has ended; `period` is that of control [s]."""
+    name = touch.arm.capitalize()
+    if touch.end is None:
+        planned = "" if touch.planned else ", unplanned: a plan was still running"
+        return _event_at(
+            touch.start, period, "touch", "info" if touch.planned else "warning", f"{name} hand touches{planned}"
+        )
+    message = f"{name} hand leaves after {touch.end - touch.start:.2f} s; peak {touch.peak:.2f} N"
+    return _event_at(touch.end, period, "touch_end", "info", message)
+
+
+def closed_event(time: float, period: float) -> Event:
+    """The event of the first closed instant [s]."""
+    return _event_at(time, period, "closed", "info", "The tips close around the slow target: first closed instant")
+
+
+def locked_event(time: float, period: float) -> Event:
+    """The event of locked arms [s]."""
+    return _event_at(time, period, "locked", "info", "The closing is done: the arms are locked, the cage is verified")
+
+
+def verdict_event(outcome: Outcome, time: float, period: float) -> Event:
+    """The event of a verdict."""
+    failed = outcome.at_locked_arms in (OutcomeClass.EJECTION, OutcomeClass.BASE_COLLISION, OutcomeClass.UNRESOLVED)
+    severity: Severity = "info" if outcome.caged else "error" if failed else "warning"
+    return _event_at(time, period, "verdict", severity, verdict_in_words(outcome))
+
+
+def _event_at(time: float, period: float, kind: str, severity: Severity, message: str) -> Event:
+    return Event(time=time, tick=round(time / period), kind=kind, severity=severity, message=message)
+
+
+def verdict_in_words(outcome: Outcome) -> str:
+    """How it ended, in one sentence."""
+    peak = f"peak force {outcome.peak_tip_force:.2f} N"
+    if outcome.caged and outcome.cage_margin is not None:
+        count = len(outcome.contacts)
+        return f"Caged with a margin of {1e3 * outcome.cage_margin:.1f} mm; {count} touches, {peak}"
+    return {
+        OutcomeClass.EJECTION: f"Failed: the target left the robot's reach; {peak}",
+        OutcomeClass.BASE_COLLISION: f"Failed: the target struck the base; {peak}",
+    }.get(outcome.at_locked_arms, f"Failed: not caged when the time was up; {peak}")

@@ -1,0 +1,334 @@
+"""A mission: the plant, the controller and the judge, one control tick after another.
+
+`Mission.advance` is the only way that time passes: live, headless and in replay. Its loop is compiled;
+`tick` is one turn of it. A mission belongs to one thread.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from sim.capture.caging import Cage, cage
+from sim.capture.events import (
+    Event,
+    Ticks,
+    closed_event,
+    events_of,
+    locked_event,
+    touch_event,
+    verdict_event,
+)
+from sim.capture.judge import (
+    JUDGEMENT,
+    Verdict,
+    begin_judgement,
+    judge,
+    outcome_of,
+    touches_of,
+)
+from sim.capture.narration import description, readiness
+from sim.capture.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
+from sim.capture.tick import ARMS, TICK
+from sim.compiled import FloatArray, compiled
+from sim.config import MissionConfig, differences, is_live
+from sim.configurations import require_clear_start
+from sim.control.admittance import admittance_transition
+from sim.control.controller import begin_sequence, control, hand_twists
+from sim.control.memory import MEMORY, NEVER, PlanKind
+from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
+from sim.control.trajectory import BOTH_ARMS
+from sim.errors import MissionRefused, PlantDiverged
+from sim.model.robot import Chain, chain
+from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
+from sim.record import Record, record_of
+
+
+@compiled
+def fly(
+    handle: PlantHandle,
+    parameters: Record,
+    transition: FloatArray,
+    memory: Record,
+    notes: Record,
+    state: Record,
+    rows: Ticks,
+) -> tuple[int, bool]:
+    """Fly as many ticks as there are rows of `TICK`, which are filled; stops after the tick of a verdict.
+
+    Returns:
+        How many ticks were flown, and whether the plant's state is still finite.
+
+    """
+    for place in range(rows.shape[0]):
+        before = notes.verdict
+        links = chain(handle.robot, state.base_pose, state.joint_angle, state.mount_angle)
+        judge(notes, memory, parameters, handle.robot, state, links)
+        if notes.verdict != before:
+            memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
+            memory.sequence = Sequence.NONE
+        control(memory, parameters, transition, handle.robot, state, links)
+        _write(rows[place], memory, notes, state, links)
+        if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
+            return place + 1, False
+        if notes.verdict != before:
+            return place + 1, True
+    return rows.shape[0], True
+
+
+@compiled
+def _write(row: Record, memory: Record, notes: Record, state: Record, links: Chain) -> None:
+    """One tick as it is recorded: the state it began with and what was commanded from it."""
+    row.tick, row.time = state.tick, state.time
+    row.phase, row.activity, row.plan = memory.phase, memory.activity, memory.plan_count
+    row.closed, row.rate_limited = memory.closed, memory.rate_limited
+    row.base_overlap, row.solid_contact = notes.base_overlap, state.arm_contact > 0
+    row.base_pose[:], row.base_twist[:] = state.base_pose, state.base_twist
+    row.target_pose[:], row.target_twist[:] = state.target_pose, state.target_twist
+    row.joint_angle[:], row.joint_rate[:] = state.joint_angle, state.joint_rate
+    row.commanded_joint_rate[:] = memory.commanded_joint_rate
+    row.hand_pose[:] = links.hand_pose
+    row.mount_angle[:] = state.mount_angle
+    row.hand_twist[:] = hand_twists(state, links)
+    row.desired_hand_pose[:], row.desired_hand_twist[:] = memory.desired_hand_pose, memory.desired_hand_twist
+    row.hand_wrench[:], row.tip_force[:] = state.hand_wrench, state.tip_force
+    row.manipulability[:] = notes.manipulability
+    row.momentum[:] = state.momentum
+
+
+def prepare() -> None:
+    """Compile everything that a mission runs (half a minute at the first start; cached on disk afterwards)."""
+    mission = Mission(MissionConfig())
+    mission.request(Command.DIRECT_CAGE)
+    mission.advance(2)
+    mission.cage()
+
+
+class Mission:
+    """One mission on the simulated plant."""
+
+    def __init__(self, config: MissionConfig) -> None:
+        """Lay out robot and target as configured, at rest but for the target's motion.
+
+        Raises:
+            ConfigError: the target overlaps the robot.
+
+        """
+        require_clear_start(config)
+        self.config = config
+        self._plant = PymunkPlant(config)
+        self._transition = admittance_transition(config.control.impedance, config.control.period)
+        self._memory: Record = np.zeros(1, MEMORY)[0]
+        self._memory["last_contact"], self._memory["slow_since"] = NEVER, math.inf
+        self._notes: Record = np.zeros(1, JUDGEMENT)[0]
+        self._notes["begun_at"] = math.nan
+        self._notes["open_touch"] = -1
+        self._last = self._start()
+        self._touches: list[Touch] = []
+        self._told: set[str] = set()
+        self._events: list[Event] = []
+        self._outcome: Outcome | None = None
+
+    @property
+    def phase(self) -> Phase:
+        """What the mission is doing."""
+        return Phase(int(self._memory["phase"]))
+
+    @property
+    def activity(self) -> Activity:
+        """What the hands are doing."""
+        return Activity(int(self._memory["activity"]))
+
+    @property
+    def time(self) -> float:
+        """Mission time [s]."""
+        return float(self._plant.state["time"])
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the last sequence ended; None before its verdict."""
+        return self._outcome
+
+    def request(self, command: Command) -> None:
+        """Grant an operator's request from the next tick on.
+
+        Raises:
+            MissionRefused: the phase does not allow it.
+
+        """
+        phase, sequence = next_phase(self.phase, command)
+        begin_sequence(self._memory, int(phase), int(sequence))
+        if sequence is not Sequence.NONE:
+            begin_judgement(self._notes, self.time, self._plant.state["momentum"])
+            self._outcome = None
+            self._touches = []
+            self._told = set()
+
+    def stop(self) -> None:
+        """Joint rates zero from the next tick on; granted in every phase."""
+        self.request(Command.STOP)
+
+    def configure(self, config: MissionConfig) -> None:
+        """Put a revised configuration in force from the next tick on.
+
+        The admittance keeps its displacement and velocity, so that a hand's velocity does not jump.
+
+        Raises:
+            MissionRefused: a parameter differs that cannot change while a mission flies.
+
+        """
+        fixed = [path for path in differences(self.config, config) if not is_live(path)]
+        if fixed:
+            raise MissionRefused(
+                f"{', '.join(fixed)} cannot change while a mission is under way",
+                tip="reset the mission; the new value holds from then on",
+            )
+        self.config = config
+        self._plant.parameters = record_of(config)
+        self._transition = admittance_transition(config.control.impedance, config.control.period)
+
+    def advance(self, ticks: int) -> Ticks:
+        """Fly up to that many control ticks; fewer if a verdict falls, after which the next call flies on.
+
+        Returns:
+            The ticks flown, an array of `TICK`.
+
+        Raises:
+            PlantDiverged: the plant's state is not finite; the ticks so far stand in `last_ticks`.
+
+        """
+        rows = np.zeros(ticks, TICK)
+        plant = self._plant
+        flown, finite = fly(
+            plant.handle, plant.parameters, self._transition, self._memory, self._notes, plant.state, rows
+        )
+        rows = rows[:flown]
+        self._tell(rows)
+        if not finite:
+            self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
+            raise PlantDiverged(f"the simulated state is not finite after {self.time:.3f} s")
+        return rows
+
+    def tick(self) -> Any:
+        """Fly one control tick; its record, one element of `TICK`."""
+        return self.advance(1)[0]
+
+    def take_events(self) -> list[Event]:
+        """The events since the last call, in the order in which they happened."""
+        events, self._events = self._events, []
+        return sorted(events, key=lambda event: event.time)
+
+    def cage(self) -> Cage:
+        """Whether the hands, if they stayed as they are, cage the target."""
+        state = self._plant.state
+        links = chain(self._plant.handle.robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
+        return cage(self.config, links.hand_pose, state["target_pose"])
+
+    def snapshot(self) -> Snapshot:
+        """What is published of the last tick; before the first tick, of the start."""
+        row, notes = self._last[-1], self._notes
+        touches = touches_of(notes)
+        plan = self._plan()
+        return Snapshot(
+            tick=int(row["tick"]),
+            time=float(row["time"]),
+            phase=Phase(int(row["phase"])).label,
+            activity=Activity(int(row["activity"])).label,
+            description=description(row, self.config, plan, touches, self._outcome),
+            base=BodyState(pose=_vector(row["base_pose"]), twist=_vector(row["base_twist"])),
+            target=BodyState(pose=_vector(row["target_pose"]), twist=_vector(row["target_twist"])),
+            left=_arm_state(row, 0),
+            right=_arm_state(row, 1),
+            spin=float(row["target_twist"][2]),
+            spin_threshold=self.config.control.caging.spin_threshold,
+            drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
+            cage_closed=bool(row["closed"]),
+            cage_margin=self._outcome.cage_margin if self._outcome else None,
+            peak_tip_force=float(notes["peak"]),
+            momentum=_vector(row["momentum"]),
+            contacts=touches,
+            plan=plan,
+            readiness=readiness(row, self.config, self._outcome),
+            outcome=self._outcome,
+        )
+
+    def _start(self) -> Ticks:
+        """The state before the first tick, as one row of `TICK`; nothing is flown."""
+        rows = np.zeros(1, TICK)
+        state, robot = self._plant.state, self._plant.handle.robot
+        links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
+        judge(self._notes, self._memory, self._plant.parameters, robot, state, links)
+        _write(rows[0], self._memory, self._notes, state, links)
+        return rows
+
+    def _tell(self, rows: Ticks) -> None:
+        """Events of the ticks just flown, and the outcome if they reached a verdict."""
+        self._events += events_of(rows, self._last, self.config)
+        self._last = rows[-1:].copy()
+        if math.isnan(self._notes["begun_at"]):
+            return
+        period = self.config.control.period
+        touches = touches_of(self._notes)
+        for place, touch in enumerate(touches):
+            if place >= len(self._touches):
+                self._events.append(touch_event(touch.model_copy(update={"end": None}), period))
+            if touch.end is not None and (place >= len(self._touches) or self._touches[place].end is None):
+                self._events.append(touch_event(touch, period))
+        self._touches = touches
+        self._tell_once("closed_at", closed_event)
+        self._tell_once("locked_at", locked_event)
+        if self._outcome is None and self._notes["verdict"] != Verdict.NONE:
+            self._outcome = outcome_of(self._notes, self.config, self._plant.state, self.cage())
+            self._events.append(verdict_event(self._outcome, float(self._notes["verdict_at"]), period))
+
+    def _tell_once(self, field: str, event: Callable[[float, float], Event]) -> None:
+        """The event of a noted instant [s], the first time that it is there."""
+        instant = float(self._notes[field])
+        if not math.isnan(instant) and field not in self._told:
+            self._told.add(field)
+            self._events.append(event(instant, self.config.control.period))
+
+    def _plan(self) -> Plan | None:
+        memory = self._memory
+        kind = PlanKind(int(memory["plan_kind"]))
+        if kind is PlanKind.NONE or self.phase not in (Phase.DETUMBLING, Phase.CAGING, Phase.RELEASED):
+            return None
+        knots, arm = int(memory["plan_knots"]), int(memory["plan_arm"])
+        poses = [
+            [_vector(pose) for pose in memory["plan_pose"][side, :knots]] if arm in (BOTH_ARMS, side) else []
+            for side in range(2)
+        ]
+        return Plan(
+            kind=kind.name.lower(),
+            times=[float(time) for time in memory["plan_time"][:knots]],
+            left=poses[0],
+            right=poses[1],
+            target_at_end=_vector(memory["predicted_target"]),
+        )
+
+
+def _vector(values: FloatArray) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def _arm_state(row: Any, arm: int) -> ArmState:
+    assert arm < len(ARMS)
+    (ax, ay), (bx, by) = row["tip_force"][arm].tolist()
+    return ArmState(
+        joint_angle=_vector(row["joint_angle"][arm]),
+        joint_rate=_vector(row["joint_rate"][arm]),
+        commanded_joint_rate=_vector(row["commanded_joint_rate"][arm]),
+        mount_angle=float(row["mount_angle"][arm]),
+        hand_pose=_vector(row["hand_pose"][arm]),
+        hand_twist=_vector(row["hand_twist"][arm]),
+        desired_hand_pose=_vector(row["desired_hand_pose"][arm]),
+        desired_hand_twist=_vector(row["desired_hand_twist"][arm]),
+        hand_wrench=_vector(row["hand_wrench"][arm]),
+        tip_force=((ax, ay), (bx, by)),
+        in_contact=bool(row["hand_wrench"][arm].any()),
+        manipulability=float(row["manipulability"][arm]),
+    )

@@ -1,0 +1,132 @@
+"""What is published of a mission: one frozen snapshot, the same over REST, WebSocket, scene and library.
+
+SI and radians. Poses (x, y, angle), twists (vx, vy, angular velocity) and wrenches (fx, fy, torque) are
+in world axes; the world's origin is where the base's geometric centre starts.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Vector3 = tuple[float, float, float]
+Vector2 = tuple[float, float]
+
+
+class Published(BaseModel):
+    """Frozen and closed: what is published never changes afterwards."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class OutcomeClass(StrEnum):
+    """How a capture ended: the paper's five classes, and none of them."""
+
+    CAGED_FORCE_REDUCED = "caged_force_reduced"
+    CAGED_FORCE_NOT_REDUCED = "caged_force_not_reduced"
+    CAGED_UNPLANNED_CONTACT = "caged_unplanned_contact"
+    EJECTION = "ejection"
+    BASE_COLLISION = "base_collision"
+    UNRESOLVED = "unresolved"
+
+
+class Touch(Published):
+    """One touch of an arm's tips on the target."""
+
+    arm: Literal["left", "right"]
+    start: float = Field(description="First contact [s]")
+    end: float | None = Field(description="Last contact [s]; null while it lasts")
+    peak: float = Field(description="Largest resultant of the hand's tip forces [N]")
+    planned: bool = Field(description="False if a plan was still running when it began")
+
+
+class Outcome(Published):
+    """How a capture ended, judged both as the paper does and after the arms have locked."""
+
+    outcome: OutcomeClass = Field(description="By the rule that judging.rule names")
+    at_first_closure: OutcomeClass = Field(description="Judged at the first closed instant, as the paper's tables")
+    at_locked_arms: OutcomeClass = Field(description="Judged when the arms have locked, by the caging test")
+    caged: bool = Field(description="No motion leads the target out of the locked hands")
+    cage_margin: float | None = Field(
+        description="How far the tips would have to give way to let it out [m]; null if not caged"
+    )
+    peak_tip_force: float = Field(description="Largest hand resultant of the whole sequence, to locked arms [N]")
+    peak_tip_force_to_closure: float = Field(description="The same up to the first closed instant [N]")
+    closed_at: float | None = Field(description="First closed instant [s]")
+    locked_at: float | None = Field(description="Arms locked [s]")
+    duration: float = Field(description="Mission time at the verdict [s]")
+    contacts: list[Touch]
+    final_target_spin: float = Field(description="Target's angular velocity at the verdict [rad/s]")
+    min_manipulability: float = Field(description="Smallest of both arms over the sequence [m2]")
+    momentum_error: float = Field(
+        description="Largest change of total momentum: linear [N s] plus angular about the origin [N m s]"
+    )
+
+
+class BodyState(Published):
+    """A rigid body in world axes."""
+
+    pose: Vector3 = Field(description="x, y of the centre of mass [m], angle [rad]")
+    twist: Vector3 = Field(description="vx, vy [m/s], angular velocity [rad/s]")
+
+
+class ArmState(Published):
+    """One arm: joints, hand and what its tips feel."""
+
+    joint_angle: Vector3 = Field(description="Joints 1 to 3 [rad]")
+    joint_rate: Vector3 = Field(description="Measured [rad/s]")
+    commanded_joint_rate: Vector3 = Field(description="[rad/s]")
+    mount_angle: float = Field(description="Of the hand on link 3 [rad]")
+    hand_pose: Vector3 = Field(description="Hand centre x, y [m], angle [rad]")
+    hand_twist: Vector3 = Field(description="[m/s, rad/s]")
+    desired_hand_pose: Vector3 = Field(description="Where the plan wants the hand [m, rad]")
+    desired_hand_twist: Vector3 = Field(description="[m/s, rad/s]")
+    hand_wrench: Vector3 = Field(description="Target on hand, about the hand centre [N, N m]")
+    tip_force: tuple[Vector2, Vector2] = Field(description="Target on each tip [N]")
+    in_contact: bool
+    manipulability: float = Field(description="Volume of the hand-velocity ellipsoid [m2]")
+
+
+class Plan(Published):
+    """The motion being followed: straight lines through these hand poses at these times."""
+
+    kind: Literal["touch", "cage", "release"]
+    times: list[float] = Field(description="Time of each pose [s]")
+    left: list[Vector3] = Field(description="Left hand's poses; empty if it is idle")
+    right: list[Vector3] = Field(description="Right hand's poses; empty if it is idle")
+    target_at_end: Vector3 = Field(description="Predicted target pose at the end of the plan [m, rad]")
+
+
+class Readiness(Published):
+    """Whether the next phase may begin, and what speaks for or against it."""
+
+    next: str = Field(description="The phase or command this is about")
+    go: bool
+    reasons: list[str]
+
+
+class Snapshot(Published):
+    """The mission at one tick."""
+
+    tick: int
+    time: float = Field(description="Mission time [s]")
+    phase: str
+    activity: str
+    description: str = Field(description="What is happening, in words")
+    base: BodyState
+    target: BodyState
+    left: ArmState
+    right: ArmState
+    spin: float = Field(description="Target's angular velocity [rad/s]")
+    spin_threshold: float = Field(description="Below it caging may begin [rad/s]")
+    drift: float = Field(description="Speed of the target's centre [m/s]")
+    cage_closed: bool = Field(description="The tips enclose the target at its present angle")
+    cage_margin: float | None = Field(description="Margin of the locked cage [m]; null before, or if it is none")
+    peak_tip_force: float = Field(description="So far [N]")
+    momentum: Vector3 = Field(description="Of robot and target about the world's origin [N s, N m s]")
+    contacts: list[Touch]
+    plan: Plan | None
+    readiness: Readiness
+    outcome: Outcome | None

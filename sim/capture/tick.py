@@ -1,0 +1,115 @@
+"""One tick as it is recorded: `TICK`, a structured array type, and its columns with their units.
+
+Every consumer (recorder, telemetry, scene, plots, replay) reads this one record. Poses and twists are
+in world axes; hands are their centres; wrenches and forces are what the target does to the hand.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+ARMS = ("left", "right")
+POSE_AXES = (("x", "m"), ("y", "m"), ("angle", "rad"))
+TWIST_AXES = (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s"))
+WRENCH_AXES = (("x", "N"), ("y", "N"), ("torque", "N m"))
+JOINTS = ("1", "2", "3")
+
+
+class Quantity(NamedTuple):
+    """One field of `TICK`."""
+
+    name: str
+    group: str
+    """`mission`, `base`, `target`, `system`, or `arm`: then the leading axis is (left, right)."""
+    kind: str
+    """Numpy type of an element."""
+    axes: tuple[tuple[str, str], ...] = ()
+    """(axis, unit) of each element; empty for a scalar."""
+    unit: str = "1"
+    """Unit of a scalar."""
+    shape: tuple[int, ...] = ()
+    """Shape within the group, if it is not simply the number of axes."""
+
+
+def _joint_axes(unit: str) -> tuple[tuple[str, str], ...]:
+    return tuple((joint, unit) for joint in JOINTS)
+
+
+_TIP_FORCES = (("tip_1.x", "N"), ("tip_1.y", "N"), ("tip_2.x", "N"), ("tip_2.y", "N"))
+
+QUANTITIES = (
+    Quantity("tick", "mission", "i8"),
+    Quantity("time", "mission", "f8", unit="s"),
+    Quantity("phase", "mission", "u1"),
+    Quantity("activity", "mission", "u1"),
+    Quantity("plan", "mission", "u2"),
+    Quantity("closed", "mission", "u1"),
+    Quantity("base_overlap", "mission", "u1"),
+    Quantity("solid_contact", "mission", "u1"),
+    Quantity("rate_limited", "mission", "u1"),
+    Quantity("base_pose", "base", "f8", POSE_AXES),
+    Quantity("base_twist", "base", "f8", TWIST_AXES),
+    Quantity("target_pose", "target", "f8", POSE_AXES),
+    Quantity("target_twist", "target", "f8", TWIST_AXES),
+    Quantity("joint_angle", "arm", "f8", _joint_axes("rad")),
+    Quantity("joint_rate", "arm", "f8", _joint_axes("rad/s")),
+    Quantity("mount_angle", "arm", "f8", unit="rad"),
+    Quantity("commanded_joint_rate", "arm", "f8", _joint_axes("rad/s")),
+    Quantity("hand_pose", "arm", "f8", POSE_AXES),
+    Quantity("hand_twist", "arm", "f8", TWIST_AXES),
+    Quantity("desired_hand_pose", "arm", "f8", POSE_AXES),
+    Quantity("desired_hand_twist", "arm", "f8", TWIST_AXES),
+    Quantity("hand_wrench", "arm", "f8", WRENCH_AXES),
+    Quantity("tip_force", "arm", "f8", _TIP_FORCES, shape=(2, 2)),
+    Quantity("manipulability", "arm", "f8", unit="m2"),
+    Quantity("momentum", "system", "f8", (("x", "N s"), ("y", "N s"), ("angular", "N m s"))),
+)
+
+
+def _dtype() -> np.dtype[Any]:
+    fields: list[tuple[str, str] | tuple[str, str, tuple[int, ...]]] = []
+    for quantity in QUANTITIES:
+        inner = quantity.shape or ((len(quantity.axes),) if quantity.axes else ())
+        shape = (len(ARMS), *inner) if quantity.group == "arm" else inner
+        fields.append((quantity.name, quantity.kind, shape) if shape else (quantity.name, quantity.kind))
+    return np.dtype(fields, align=True)
+
+
+TICK = _dtype()
+
+
+class Column(NamedTuple):
+    """One column of a table of ticks."""
+
+    name: str
+    """`group.quantity.axis`, for example `left.hand_wrench.x` or `target.twist.angle`."""
+    unit: str
+    quantity: str
+    """The field of `TICK`."""
+    place: tuple[int, ...]
+    """Where in that field, after the tick's axis."""
+
+
+def _columns_of(quantity: Quantity) -> list[Column]:
+    groups = [(name, (arm,)) for arm, name in enumerate(ARMS)] if quantity.group == "arm" else [(quantity.group, ())]
+    columns: list[Column] = []
+    for group, leading in groups:
+        stem = f"{group}.{quantity.name.removeprefix(group + '_')}"
+        if not quantity.axes:
+            columns.append(Column(stem, quantity.unit, quantity.name, leading))
+        for element, (axis, unit) in enumerate(quantity.axes):
+            inner = tuple(int(i) for i in np.unravel_index(element, quantity.shape)) if quantity.shape else (element,)
+            columns.append(Column(f"{stem}.{axis}", unit, quantity.name, (*leading, *inner)))
+    return columns
+
+
+COLUMNS: tuple[Column, ...] = tuple(column for quantity in QUANTITIES for column in _columns_of(quantity))
+
+
+def column_values(ticks: np.ndarray[Any, np.dtype[Any]], column: Column) -> np.ndarray[Any, np.dtype[Any]]:
+    """The values of one column over an array of `TICK`, shape (ticks,)."""
+    where: tuple[Any, ...] = (slice(None), *column.place)
+    values: np.ndarray[Any, np.dtype[Any]] = ticks[column.quantity][where]
+    return values

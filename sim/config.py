@@ -1,0 +1,607 @@
+"""Every number that a person may choose: unit, bounds, default and source.
+
+`MissionConfig` is the root and is stored with each run. Values are SI and radians. The source of a
+default is a place in the paper (Uchida, Uno, Yoshida, iSpaRo 2024), `authors` for the constants that
+the authors' public simulator computes with (docs/method.md), or `chosen` with the reason.
+
+The named configurations stand in `sim.configurations`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+WholeNumber = Annotated[int, Field(strict=True)]
+
+LIVE = "live"
+"""Marks a parameter that may change while a mission flies; the others take a reset."""
+
+
+def parameter(
+    default: Any,
+    description: str,
+    *,
+    unit: str,
+    source: str,
+    live: bool = False,
+    gt: float | None = None,
+    ge: float | None = None,
+    le: float | None = None,
+) -> Any:
+    """A field of the configuration with its unit, bounds, default and source in the schema."""
+    extra: dict[str, JsonValue] = {"unit": unit, "source": source, LIVE: live}
+    return Field(default, description=description, json_schema_extra=extra, gt=gt, ge=ge, le=le)
+
+
+class ConfigModel(BaseModel):
+    """Frozen, nothing unknown, no NaN: the base of every part of the configuration."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class CornerContact(StrEnum):
+    """Which normal a tip feels beside a corner of the target."""
+
+    FACE = "face"
+    """That of the face it penetrates least, within one tip radius of the corner (authors)."""
+    RADIAL = "radial"
+    """From the corner to the tip's centre: continuous with both faces."""
+
+
+class SingularityHandling(StrEnum):
+    """How hand velocities become joint rates near a singularity of an arm."""
+
+    PSEUDO_INVERSE = "pseudo_inverse"
+    """Plain Moore-Penrose inverse of the generalized Jacobian (authors); only the rate bound protects."""
+    DAMPED = "damped_least_squares"
+    """Levenberg damping that grows as manipulability falls under its warning level (Nakamura, Hanafusa 1986)."""
+
+
+class HandMount(StrEnum):
+    """How the hand sits on link 3."""
+
+    YIELDING = "yielding"
+    """As a fourth joint whose servo holds its rate at zero and, like the others, gives way to contact (authors)."""
+    RIGID = "rigid"
+    """One body with link 3."""
+
+
+class OutcomeRule(StrEnum):
+    """Which instant a capture is judged at."""
+
+    FIRST_CLOSURE = "first_closure"
+    """The first instant that the tips close around a slow target, as the paper's tables (authors)."""
+    LOCKED_ARMS = "locked_arms"
+    """After the arms have locked, with the caging test over every motion of the target."""
+
+
+class BaseConfig(ConfigModel):
+    """The robot's base: a rectangle, shoulders at its front corners."""
+
+    width: Number = parameter(0.320, "Extent along the base's x axis", unit="m", source="Table I, l_a", gt=0, le=5)
+    depth: Number = parameter(0.160, "Extent along the base's y axis", unit="m", source="Table I, l_b", gt=0, le=5)
+    mass: Number = parameter(8.3084, "Mass", unit="kg", source="authors; Table I rounds to 8.31", gt=0, le=1e4)
+    inertia: Number = parameter(
+        0.13526810,
+        "Moment of inertia about the centre of mass",
+        unit="kg m2",
+        source="authors; Table I: 0.135",
+        gt=0,
+        le=1e4,
+    )
+    centre_of_mass_ahead: Number = parameter(
+        0.076078,
+        "Centre of mass, ahead (+y) of the geometric centre",
+        unit="m",
+        source="authors; Table I: 0.0761",
+        ge=-1,
+        le=1,
+    )
+
+
+class LinkConfig(ConfigModel):
+    """A link along its own +y axis, from its proximal joint."""
+
+    length: Number = parameter(0.1, "Distance between its joints", unit="m", source="see the arm", gt=0, le=5)
+    mass: Number = parameter(0.1, "Mass", unit="kg", source="see the arm", gt=0, le=1e3)
+    inertia: Number = parameter(
+        1e-3, "Moment of inertia about its centre of mass", unit="kg m2", source="see the arm", gt=0, le=1e3
+    )
+    centre_of_mass: Number = parameter(
+        0.05, "Centre of mass from the proximal joint", unit="m", source="see the arm", ge=0, le=5
+    )
+
+
+class HandConfig(ConfigModel):
+    """The U-shaped hand at the end of link 3; its centre is midway between the two tips."""
+
+    centre_offset: Number = parameter(
+        0.041556, "Hand centre beyond the end of link 3", unit="m", source="authors", ge=0, le=1
+    )
+    mass: Number = parameter(0.065, "Mass of the hand alone", unit="kg", source="authors", ge=0, le=100)
+    inertia: Number = parameter(
+        1.1548e-4, "Moment of inertia about its centre of mass", unit="kg m2", source="authors", ge=0, le=100
+    )
+    centre_of_mass: Number = parameter(
+        0.02078, "Centre of mass beyond the end of link 3", unit="m", source="authors", ge=0, le=1
+    )
+    tip_offset: Number = parameter(
+        0.039749, "Tip centre from the hand centre, across the hand", unit="m", source="authors", gt=0, le=1
+    )
+    tip_radius: Number = parameter(0.015, "Radius of a tip sphere", unit="m", source="Table I, d/2", gt=0, le=0.5)
+    finger_radius: Number = parameter(
+        0.008,
+        "Half thickness of palm and fingers",
+        unit="m",
+        source="chosen: the paper draws fingers slimmer than their tips, so that tips touch first",
+        gt=0,
+        le=0.5,
+    )
+
+
+class ArmConfig(ConfigModel):
+    """One arm; the other is its mirror image."""
+
+    link_1: LinkConfig = LinkConfig(length=0.250, mass=0.6328, inertia=2.5515e-3, centre_of_mass=0.22098)
+    link_2: LinkConfig = LinkConfig(length=0.180, mass=0.6470, inertia=1.18507e-3, centre_of_mass=0.16243)
+    link_3: LinkConfig = LinkConfig(length=0.13655, mass=0.1417, inertia=1.7569e-4, centre_of_mass=0.06313)
+    hand: HandConfig = HandConfig()
+    link_radius: Number = parameter(
+        0.015,
+        "Half width of links 1 to 3, for solid contact and drawing",
+        unit="m",
+        source="chosen: the paper gives none",
+        gt=0,
+        le=0.5,
+    )
+    shoulder_clearance: Number = parameter(
+        0.06,
+        "Link 1 is solid from here on; nearer the shoulder the base's corner bars the way",
+        unit="m",
+        source="chosen: in the authors' simulator links are not solid, and the target reaches the base's corner first",
+        ge=0,
+        le=5,
+    )
+    initial_joint_angle_1: Number = parameter(
+        math.radians(60),
+        "Left joint 1 at the start; the right arm has the negative",
+        unit="rad",
+        source="authors",
+        ge=-7,
+        le=7,
+    )
+    initial_joint_angle_2: Number = parameter(
+        math.radians(-60), "Left joint 2 at the start", unit="rad", source="authors", ge=-7, le=7
+    )
+    initial_joint_angle_3: Number = parameter(
+        math.radians(-90), "Left joint 3 at the start", unit="rad", source="authors", ge=-7, le=7
+    )
+
+
+class ServoConfig(ConfigModel):
+    """The joint rate servo: first order, with no rejection of contact forces.
+
+    Under a contact wrench F on the hands the joint rates give way by time_constant H*^-1 J*^T F.
+    """
+
+    time_constant: Number = parameter(
+        1.0e-3,
+        "First-order time constant of the rate loop, and its compliance to contact forces",
+        unit="s",
+        source="authors' step of 1 ms seen as physics; gives the direct run's peak of 1.13 N",
+        ge=0,
+        le=0.1,
+    )
+    torque_limit: Number = parameter(10.0, "Largest joint torque", unit="N m", source="authors", gt=0, le=1e3)
+    hand_mount: HandMount = parameter(
+        HandMount.YIELDING,
+        "How the hand sits on link 3",
+        unit="1",
+        source="authors: their arms have a fourth joint there; their direct run shows it yield by 2 degrees",
+    )
+
+
+class RobotConfig(ConfigModel):
+    """The dual-arm free-flying robot."""
+
+    base: BaseConfig = BaseConfig()
+    arm: ArmConfig = ArmConfig()
+    servo: ServoConfig = ServoConfig()
+
+
+class TargetConfig(ConfigModel):
+    """The debris: a square prism seen from above, and how it moves at the start."""
+
+    side: Number = parameter(0.150, "Length of a side", unit="m", source="Table I, l_t", gt=0, le=2)
+    mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=0, le=1e4)
+    inertia: Number = parameter(
+        9.32724e-3, "Moment of inertia about its centre", unit="kg m2", source="authors; Table I: 9.33e-3", gt=0, le=1e4
+    )
+    initial_x: Number = parameter(
+        0.0, "Centre at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
+    )
+    initial_y: Number = parameter(
+        0.350, "Centre at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
+    )
+    initial_angle: Number = parameter(0.0, "Angle at the start", unit="rad", source="authors", ge=-7, le=7)
+    initial_velocity_x: Number = parameter(
+        0.0, "Drift at the start", unit="m/s", source="Sec. III-A: none", ge=-2, le=2
+    )
+    initial_velocity_y: Number = parameter(
+        0.0, "Drift at the start", unit="m/s", source="Sec. III-A: none", ge=-2, le=2
+    )
+    initial_spin: Number = parameter(
+        1.0, "Angular velocity at the start, omega_0", unit="rad/s", source="Sec. IV-A", ge=-20, le=20
+    )
+
+
+class ContactConfig(ConfigModel):
+    """Spring-damper law between a tip and the target (eq. of Sec. IV-A)."""
+
+    stiffness: Number = parameter(800.0, "k_p", unit="N/m", source="Table II", gt=0, le=1e6)
+    damping: Number = parameter(2.0, "c_p", unit="N s/m", source="Table II", ge=0, le=1e4)
+    friction: Number = parameter(
+        0.3, "Coefficient of sliding friction, mu", unit="1", source="authors; Table II prints 0.1", ge=0, le=3
+    )
+    friction_speed: Number = parameter(
+        0.001,
+        "Sliding speed at which friction reaches tanh(1) of its full value",
+        unit="m/s",
+        source="chosen: the authors' sign(v) sticks; above 1 mm/s hands creep along faces and cells change class",
+        gt=0,
+        le=1,
+    )
+    corner: CornerContact = parameter(
+        CornerContact.FACE, "Normal beside a corner of the target", unit="1", source="authors: the formula of the face"
+    )
+
+
+class ImpedanceConfig(ConfigModel):
+    """Virtual impedance of a hand in admittance control, times identity on (x, y, angle) (eq. 3)."""
+
+    mass: Number = parameter(
+        0.10, "Virtual mass m", unit="kg", source="Sec. IV-B, representative case", gt=0, le=100, live=True
+    )
+    damping: Number = parameter(
+        1.5, "Damping d", unit="N s/m", source="Sec. IV-B, representative case", ge=0, le=1e4, live=True
+    )
+    stiffness: Number = parameter(
+        10.0, "Stiffness k", unit="N/m", source="Sec. IV-B, representative case", ge=0, le=1e5, live=True
+    )
+
+
+class TouchConfig(ConfigModel):
+    """Where, how and when a hand touches the target to slow it (eq. 4, 5)."""
+
+    contact_position: Number = parameter(
+        0.75,
+        "alpha: contact point on the face, 0 at its middle, 1 at its corner",
+        unit="1",
+        source="authors; Table II prints 0.8",
+        ge=0,
+        le=1,
+        live=True,
+    )
+    hand_tilt: Number = parameter(
+        math.radians(5),
+        "beta: tilt of the hand beyond the target's at contact",
+        unit="rad",
+        source="authors; Table II prints 0.175",
+        ge=0,
+        le=0.7,
+        live=True,
+    )
+    target_tilt: Number = parameter(
+        math.radians(18),
+        "gamma: tilt of the target's face at contact",
+        unit="rad",
+        source="authors; Table II prints 0.175",
+        ge=0,
+        le=0.7,
+        live=True,
+    )
+    minimum_approach_time: Number = parameter(
+        1.0, "Shortest time to the waiting point", unit="s", source="authors", gt=0, le=60, live=True
+    )
+    wait_margin: Number = parameter(
+        1.03, "Waiting point: factor on the corner circle's radius", unit="1", source="authors", ge=1, le=2, live=True
+    )
+    contact_time_factor: Number = parameter(
+        0.8,
+        "Hand at the contact point after this part of the target's own time",
+        unit="1",
+        source="authors",
+        gt=0,
+        le=1,
+        live=True,
+    )
+    absorb_time: Number = parameter(
+        0.35,
+        "D: from the last contact to the next plan",
+        unit="s",
+        source="authors: impedance duration",
+        gt=0,
+        le=10,
+        live=True,
+    )
+    admittance_fraction: Number = parameter(
+        0.8,
+        "Part of D under admittance; joints are held for the rest",
+        unit="1",
+        source="authors",
+        gt=0,
+        le=1,
+        live=True,
+    )
+    idle_arm_distance_factor: Number = parameter(
+        1.2,
+        "Idle arm shares the motion while its tips are farther than this times half the diagonal",
+        unit="1",
+        source="authors",
+        ge=0,
+        le=10,
+        live=True,
+    )
+    idle_arm_joint_limit: Number = parameter(
+        math.radians(30),
+        "... and every elbow and wrist is bent by more than this",
+        unit="rad",
+        source="authors",
+        ge=0,
+        le=3.2,
+        live=True,
+    )
+
+
+class CagingConfig(ConfigModel):
+    """When and how both hands enclose the target."""
+
+    spin_threshold: Number = parameter(
+        0.5, "Detumbling ends below this spin", unit="rad/s", source="Sec. IV-A", gt=0, le=20, live=True
+    )
+    switching_delay: Number = parameter(
+        0.5, "From spin below threshold to the caging plan", unit="s", source="authors", ge=0, le=60, live=True
+    )
+    slow_spin: Number = parameter(
+        0.3,
+        "Below it the hands turn to the target at once; above it they wait for its corner",
+        unit="rad/s",
+        source="authors",
+        ge=0,
+        le=20,
+        live=True,
+    )
+    minimum_approach_time: Number = parameter(
+        1.0, "Shortest time to the closing point", unit="s", source="authors", gt=0, le=60, live=True
+    )
+    close_margin: Number = parameter(
+        1.03,
+        "Closing point: factor on clearing the corner circle",
+        unit="1",
+        source="authors: wait margin",
+        ge=1,
+        le=2,
+        live=True,
+    )
+    capture_margin: Number = parameter(
+        1.05, "Final point: factor on touching the faces", unit="1", source="authors", ge=1, le=2, live=True
+    )
+    capture_time: Number = parameter(
+        0.6, "From the closing to the final point", unit="s", source="authors", gt=0, le=60, live=True
+    )
+    direct_capture_time: Number = parameter(
+        0.5, "The same in direct caging", unit="s", source="authors", gt=0, le=60, live=True
+    )
+    release_distance: Number = parameter(
+        0.20,
+        "Hand centres from the target's centre after a release",
+        unit="m",
+        source="chosen: the hands' distance at the start",
+        gt=0,
+        le=2,
+        live=True,
+    )
+    release_time: Number = parameter(
+        2.0, "Time of a release", unit="s", source="chosen: 0.05 m/s, slower than any approach", gt=0, le=60, live=True
+    )
+
+
+class TrackingConfig(ConfigModel):
+    """PID on the hand's pose error beside the feed-forward."""
+
+    proportional: Number = parameter(
+        0.0, "K_p", unit="1/s", source="Sec. IV-A: zero; Sec. V-A: 2.5 on the robot", ge=0, le=100, live=True
+    )
+    integral: Number = parameter(
+        0.0, "K_i", unit="1/s2", source="Sec. IV-A: zero; Sec. V-A: 0.10 on the robot", ge=0, le=100, live=True
+    )
+    derivative: Number = parameter(0.0, "K_d", unit="1", source="Sec. IV-A and V-A: zero", ge=0, le=0.9, live=True)
+
+
+class RateConfig(ConfigModel):
+    """From hand velocities to joint rates."""
+
+    singularity_handling: SingularityHandling = parameter(
+        SingularityHandling.PSEUDO_INVERSE,
+        "Behaviour near arm singularities",
+        unit="1",
+        source="authors: plain pseudo-inverse",
+    )
+    damping_factor: Number = parameter(
+        0.05,
+        "Largest damping of damped least squares",
+        unit="m",
+        source="chosen: a tenth of the arm's reach",
+        ge=0,
+        le=10,
+        live=True,
+    )
+    manipulability_warning: Number = parameter(
+        0.0113,
+        "Manipulability below which damping starts and the console warns",
+        unit="m2",
+        source="chosen: a quarter of the arm's greatest, L1 L2",
+        ge=0,
+        le=100,
+        live=True,
+    )
+    joint_rate_limit: Number = parameter(
+        10.0,
+        "Largest joint rate; all six are scaled together",
+        unit="rad/s",
+        source="chosen: well above any regular motion of the published runs, so that it acts at singularities only",
+        gt=0,
+        le=1e3,
+        live=True,
+    )
+
+
+class ControlConfig(ConfigModel):
+    """The controller."""
+
+    period: Number = parameter(1e-3, "Control period", unit="s", source="authors: step 1 ms", gt=0, le=0.05)
+    impedance: ImpedanceConfig = ImpedanceConfig()
+    touch: TouchConfig = TouchConfig()
+    caging: CagingConfig = CagingConfig()
+    tracking: TrackingConfig = TrackingConfig()
+    rates: RateConfig = RateConfig()
+
+
+class JudgingConfig(ConfigModel):
+    """How a capture's outcome is judged."""
+
+    rule: OutcomeRule = parameter(OutcomeRule.FIRST_CLOSURE, "Instant of judgement", unit="1", source="authors")
+    force_bound: Number = parameter(
+        1.12969,
+        "Force counts as reduced below this hand resultant: direct caging's peak",
+        unit="N",
+        source="authors",
+        gt=0,
+        le=1e6,
+    )
+    relative_spin_limit: Number = parameter(
+        0.5, "Captured at or below this spin relative to the base", unit="rad/s", source="authors", gt=0, le=20
+    )
+    relative_speed_limit: Number = parameter(
+        0.1, "Captured at or below this speed relative to the turning base", unit="m/s", source="authors", gt=0, le=10
+    )
+    ejection_distance: Number = parameter(
+        0.6, "Ejected at this distance between the centres of base and target", unit="m", source="authors", gt=0, le=50
+    )
+    time_limit: Number = parameter(45.0, "Unresolved at this time", unit="s", source="authors", gt=0, le=3600)
+    hold_time: Number = parameter(
+        2.0,
+        "From locked arms to the verdict",
+        unit="s",
+        source="chosen: the target crosses its room in the cage several times",
+        ge=0,
+        le=600,
+    )
+    touch_gap: Number = parameter(
+        0.1,
+        "Contacts of one arm closer than this are one touch",
+        unit="s",
+        source="chosen: a tip that hammers at a corner leaves it for up to 0.06 s",
+        ge=0,
+        le=5,
+    )
+
+
+class SimulationConfig(ConfigModel):
+    """The pymunk plant's numerics (docs/decisions, findings)."""
+
+    time_step: Number = parameter(
+        1e-3, "Physics step; divides the control period", unit="s", source="authors: 1 ms", gt=0, le=0.05
+    )
+    solver_iterations: WholeNumber = parameter(
+        30,
+        "Iterations of pymunk's solver",
+        unit="1",
+        source="measured: free flight needs 15; the blows of a capture settle from 25 on",
+        ge=10,
+        le=500,
+    )
+    error_reduction: Number = parameter(
+        0.8,
+        "Part of a joint's position error removed in one step",
+        unit="1",
+        source="measured: base attitude within 1e-6 rad",
+        gt=0,
+        le=1,
+    )
+    collision_slop: Number = parameter(
+        1e-4,
+        "Overlap that pymunk leaves in solid contact",
+        unit="m",
+        source="measured: its default is two thirds of the target",
+        ge=0,
+        le=0.01,
+    )
+    seed: WholeNumber = parameter(
+        0, "Seed of every random number of the run", unit="1", source="chosen", ge=0, le=2**63 - 1
+    )
+
+
+class MissionConfig(ConfigModel):
+    """Everything that a run depends on; stored with it."""
+
+    robot: RobotConfig = RobotConfig()
+    target: TargetConfig = TargetConfig()
+    contact: ContactConfig = ContactConfig()
+    control: ControlConfig = ControlConfig()
+    judging: JudgingConfig = JudgingConfig()
+    simulation: SimulationConfig = SimulationConfig()
+
+    @model_validator(mode="after")
+    def _steps_divide_the_control_period(self) -> Self:
+        period, step = self.control.period, self.simulation.time_step
+        steps = round(period / step)
+        if steps < 1 or abs(steps * step - period) > 1e-9 * period:
+            raise ValueError(
+                f"simulation.time_step = {step:g} s does not divide control.period = {period:g} s; "
+                f"take a whole fraction of it, such as {period:g} or {period / 2:g}"
+            )
+        return self
+
+    @property
+    def steps_per_tick(self) -> int:
+        """Physics steps in one control period."""
+        return round(self.control.period / self.simulation.time_step)
+
+
+def parameters_of(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Every leaf of a configuration model: its full path and its pydantic field."""
+    for name, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from parameters_of(field.annotation, f"{prefix}{name}.")
+        else:
+            yield prefix + name, field
+
+
+PARAMETERS: Mapping[str, Any] = dict(parameters_of(MissionConfig))
+"""Full path, such as `control.impedance.damping`, to the pydantic field with unit, bounds, default and source."""
+
+
+def is_live(path: str) -> bool:
+    """Whether that parameter may change while a mission flies."""
+    return bool(PARAMETERS[path].json_schema_extra[LIVE])
+
+
+def value_at(config: MissionConfig, path: str) -> Any:
+    """The value of the parameter at that full path."""
+    value: Any = config
+    for name in path.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def differences(old: MissionConfig, new: MissionConfig) -> dict[str, tuple[Any, Any]]:
+    """Full path to (old value, new value), for every parameter that differs."""
+    pairs = {path: (value_at(old, path), value_at(new, path)) for path in PARAMETERS}
+    return {path: pair for path, pair in pairs.items() if pair[0] != pair[1]}

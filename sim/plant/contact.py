@@ -1,0 +1,100 @@
+"""The contact law between a tip and the target: spring, damper, sliding friction (Sec. IV-A of the paper).
+
+F_n = k_p delta + c_p d(delta)/dt, never pulling; F_t = -mu F_n sign(v), regularised as tanh(v / v_s). It is
+evaluated at the predicted pose of the end of the step, which makes the explicit step symplectic: no energy
+from an undamped bounce beyond 2e-4 (docs/decisions/0002-contact-law.md).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sim.compiled import FloatArray, compiled
+from sim.config import CornerContact
+from sim.model.planar import point_velocity, rotated
+from sim.model.target import in_target
+from sim.record import Record, code_of
+
+_RADIAL = code_of(CornerContact.RADIAL)
+
+
+class TipContact(NamedTuple):
+    """The contact of one tip, world axes; zero force where it does not touch."""
+
+    touching: bool
+    force_x: float
+    """Target on tip [N]."""
+    force_y: float
+    point_x: float
+    """Where the force acts [m]."""
+    point_y: float
+
+
+@compiled
+def penetration(half_side: float, radius: float, corner: int, x: float, y: float) -> tuple[float, float, float]:
+    """Depth [m] of a tip in the target, and the face's outward normal there, in the target's frame.
+
+    Beside a corner a tip touches only within its radius of it: with the formula of the face that it
+    penetrates least, or radially, as `CornerContact` chooses. Not touching: depth zero or less.
+
+    Args:
+        half_side: of the target [m].
+        radius: of the tip [m].
+        corner: code of a `CornerContact`.
+        x: tip centre in the target's frame [m].
+        y: likewise.
+
+    """
+    beyond_x, beyond_y = abs(x) - half_side, abs(y) - half_side
+    if beyond_x > 0.0 and beyond_y > 0.0:
+        distance = math.hypot(beyond_x, beyond_y)
+        if corner == _RADIAL or distance >= radius:
+            return radius - distance, math.copysign(beyond_x / distance, x), math.copysign(beyond_y / distance, y)
+    if beyond_x >= beyond_y:
+        return radius - beyond_x, math.copysign(1.0, x), 0.0
+    return radius - beyond_y, 0.0, math.copysign(1.0, y)
+
+
+@compiled
+def tip_contact(
+    law: Record,
+    half_side: float,
+    radius: float,
+    tip_x: float,
+    tip_y: float,
+    hand_pose: FloatArray,
+    hand_twist: FloatArray,
+    target_pose: FloatArray,
+    target_twist: FloatArray,
+) -> TipContact:
+    """Force of the target on one tip.
+
+    Args:
+        law: record of `ContactConfig`.
+        half_side: of the target [m].
+        radius: of the tip [m].
+        tip_x: world position of the tip's centre [m].
+        tip_y: likewise.
+        hand_pose: of the body that carries the tip, shape (3,).
+        hand_twist: of the same point of that body, shape (3,).
+        target_pose: shape (3,).
+        target_twist: shape (3,).
+
+    """
+    reach = half_side * math.sqrt(2.0) + radius
+    if math.hypot(tip_x - target_pose[0], tip_y - target_pose[1]) > reach:
+        return TipContact(False, 0.0, 0.0, tip_x, tip_y)
+    x, y = in_target(target_pose, tip_x, tip_y)
+    depth, normal_u, normal_v = penetration(half_side, radius, law.corner, x, y)
+    if depth <= 0.0:
+        return TipContact(False, 0.0, 0.0, tip_x, tip_y)
+    nx, ny = rotated(target_pose[2], normal_u, normal_v)
+    px, py = tip_x - radius * nx, tip_y - radius * ny
+    hand_vx, hand_vy = point_velocity(hand_pose, hand_twist, px, py)
+    target_vx, target_vy = point_velocity(target_pose, target_twist, px, py)
+    vx, vy = hand_vx - target_vx, hand_vy - target_vy
+    normal_force = max(0.0, law.stiffness * depth - law.damping * (vx * nx + vy * ny))
+    sliding = -vx * ny + vy * nx
+    friction = -law.friction * normal_force * math.tanh(sliding / law.friction_speed)
+    return TipContact(True, normal_force * nx - friction * ny, normal_force * ny + friction * nx, px, py)

@@ -1,0 +1,381 @@
+"""The simulated plant: robot and target as ten pymunk bodies, tip contact by our own law.
+
+Joints are a `PivotJoint` and a `SimpleMotor` each, added from the base outwards. Tips are not shapes: the
+spring-damper law of `sim.plant.contact` is all that acts between them and the target. Base, links and the
+U of each hand are solid against the target. The servo is a first-order rate loop that does not reject
+contact forces; the motor constraint then gives the rate it asks for, within the torque limit.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import pymunk
+
+from sim.compiled import FloatArray, compiled
+from sim.config import HandMount, MissionConfig
+from sim.errors import PlantDiverged
+from sim.model.clearance import hand_outline, initial_base_pose, initial_target_pose
+from sim.model.generalized_jacobian import free_flying_model, is_finite, joint_acceleration_under_contact
+from sim.model.planar import cross
+from sim.model.robot import (
+    JOINTS,
+    LINKS,
+    RobotModel,
+    chain,
+    freedom,
+    initial_joint_angles,
+    robot_model,
+    tip_position,
+)
+from sim.model.target import TargetModel, target_model
+from sim.plant.chipmunk import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    POSITION,
+    SET_FORCE,
+    SET_RATE,
+    SET_TORQUE,
+    STEP,
+    VELOCITY,
+    address,
+    call_scalar,
+    call_vector,
+    function_addresses,
+    get_scalar,
+    get_vector,
+)
+from sim.plant.contact import tip_contact
+from sim.plant.plant import PLANT_STATE
+from sim.record import Record, code_of, record_of
+
+IntArray = np.ndarray[Any, np.dtype[np.int64]]
+
+BODIES = 10
+TARGET = 9
+"""Place of the target among the bodies: base, left links 1-3 and hand, right links 1-3 and hand, target."""
+
+_ROBOT_GROUP = 1
+_TARGET_TYPE, _BASE_TYPE, _ARM_TYPE = 1, 2, 3
+
+
+_RIGID = code_of(HandMount.RIGID)
+
+
+@compiled
+def body_of(arm: int, link: int) -> int:
+    """Place among the bodies of an arm's link (0-2) or hand (3)."""
+    return 1 + LINKS * arm + link
+
+
+class PlantHandle(NamedTuple):
+    """What compiled code needs to step the space: addresses and constants, nothing that it may change but `solid`."""
+
+    functions: IntArray
+    space: int
+    bodies: IntArray
+    motors: IntArray
+    solid: IntArray
+    """Solid contacts of the target now: with the base, with an arm; shape (2,), kept by pymunk's callbacks."""
+    robot: RobotModel
+    target: TargetModel
+    masses: FloatArray
+    inertias: FloatArray
+
+
+class PymunkPlant:
+    """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
+
+    def __init__(self, config: MissionConfig) -> None:
+        self._config = config
+        self.parameters: Record = record_of(config)
+        self.state: Record = np.zeros(1, PLANT_STATE)[0]
+        robot, target = robot_model(config.robot), target_model(config.target)
+        self._space = _space(config)
+        self._bodies = _bodies(config, robot)
+        self._motors = _joints(config, robot, self._bodies)
+        solid = np.zeros(2, np.int64)
+        self._space.add(*self._bodies, *_shapes(config, robot, self._bodies))
+        for joint in self._motors:
+            self._space.add(*joint)
+        self._watch_solid_contacts(solid)
+        self.handle = PlantHandle(
+            functions=function_addresses(),
+            space=address(self._space._space),
+            bodies=np.array([address(body._body) for body in self._bodies]),
+            motors=np.array([address(motor._constraint) for _, motor in self._motors]),
+            solid=solid,
+            robot=robot,
+            target=target,
+            masses=np.array([body.mass for body in self._bodies]),
+            inertias=np.array([body.moment for body in self._bodies]),
+        )
+        observe(self.handle, self.state)
+
+    def exchange(self, joint_rate: FloatArray) -> Record:
+        """Apply joint rates [rad/s], shape (2, 3), for one control period; the state after it.
+
+        Raises:
+            PlantDiverged: the state is not finite.
+
+        """
+        if not advance_plant(self.handle, self.parameters, joint_rate, self.state):
+            raise PlantDiverged(f"the simulated state is not finite at {self.state['time']:.3f} s")
+        return self.state
+
+    def _watch_solid_contacts(self, solid: IntArray) -> None:
+        for place, kind in enumerate((_BASE_TYPE, _ARM_TYPE)):
+
+            def begin(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any, place: int = place) -> None:
+                solid[place] += 1
+
+            def separate(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any, place: int = place) -> None:
+                solid[place] -= 1
+
+            self._space.on_collision(_TARGET_TYPE, kind, begin=begin, separate=separate)
+
+
+def _space(config: MissionConfig) -> pymunk.Space:
+    simulation = config.simulation
+    space = pymunk.Space()
+    space.iterations = simulation.solver_iterations
+    space.collision_slop = simulation.collision_slop
+    space.damping = 1.0
+    return space
+
+
+def _bodies(config: MissionConfig, robot: RobotModel) -> list[pymunk.Body]:
+    base_pose = initial_base_pose(config)
+    links = chain(robot, base_pose, initial_joint_angles(config.robot.arm), np.zeros(2))
+    bodies = [_body(robot.base_mass, robot.base_inertia, base_pose)]
+    for arm in range(2):
+        for link in range(LINKS):
+            pose = np.array([*links.centre[arm, link], links.angle[arm, link]])
+            bodies.append(_body(robot.link_mass[link], robot.link_inertia[link], pose))
+    target = _body(config.target.mass, config.target.inertia, initial_target_pose(config))
+    target.velocity = config.target.initial_velocity_x, config.target.initial_velocity_y
+    target.angular_velocity = config.target.initial_spin
+    return [*bodies, target]
+
+
+def _body(mass: float, inertia: float, pose: FloatArray) -> pymunk.Body:
+    body = pymunk.Body(float(mass), float(inertia))
+    body.position = float(pose[0]), float(pose[1])
+    body.angle = float(pose[2])
+    return body
+
+
+def _joints(
+    config: MissionConfig, robot: RobotModel, bodies: list[pymunk.Body]
+) -> list[tuple[pymunk.PivotJoint, pymunk.SimpleMotor]]:
+    """Pivot and motor of each joint, from the base outwards: their order is part of the result."""
+    simulation = config.simulation
+    error_bias = (1.0 - simulation.error_reduction) ** (1.0 / simulation.time_step)
+    joints = []
+    for arm in range(2):
+        for link in range(LINKS):
+            place = body_of(arm, link)
+            child = bodies[place]
+            if link == 0:
+                shoulder_x, shoulder_y = robot.shoulder_in_base[arm].tolist()
+                parent, anchor = bodies[0], (shoulder_x, shoulder_y)
+            else:
+                parent = bodies[place - 1]
+                anchor = (0.0, float(robot.link_length[link - 1] - robot.link_centre[link - 1]))
+            pivot = pymunk.PivotJoint(parent, child, anchor, (0.0, float(-robot.link_centre[link])))
+            motor = pymunk.SimpleMotor(parent, child, 0.0)
+            motor.max_force = config.robot.servo.torque_limit
+            for constraint in (pivot, motor):
+                constraint.error_bias = error_bias
+                constraint.collide_bodies = False
+            joints.append((pivot, motor))
+    return joints
+
+
+def _shapes(config: MissionConfig, robot: RobotModel, bodies: list[pymunk.Body]) -> list[pymunk.Shape]:
+    """Solid shapes: the target, and what of the robot it may strike besides the tips."""
+    base, arm = config.robot.base, config.robot.arm
+    half_x, half_y, ahead = base.width / 2, base.depth / 2, base.centre_of_mass_ahead
+    corners = [(x, y - ahead) for x, y in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))]
+    shapes = [_solid(pymunk.Poly(bodies[0], corners), _BASE_TYPE)]
+    for side in range(2):
+        for link in range(JOINTS):
+            start = (arm.shoulder_clearance if link == 0 else 0.0) - float(robot.link_centre[link])
+            end = float(robot.link_length[link] - robot.link_centre[link])
+            link_shape = pymunk.Segment(bodies[body_of(side, link)], (0.0, start), (0.0, end), arm.link_radius)
+            shapes.append(_solid(link_shape, _ARM_TYPE))
+        shapes += _hand_shapes(config, robot, bodies[body_of(side, JOINTS)])
+    target = pymunk.Poly.create_box(bodies[TARGET], (config.target.side, config.target.side))
+    target.collision_type = _TARGET_TYPE
+    shapes.append(target)
+    for shape in shapes:
+        shape.friction = config.contact.friction
+    return shapes
+
+
+def _hand_shapes(config: MissionConfig, robot: RobotModel, body: pymunk.Body) -> list[pymunk.Shape]:
+    arm = config.robot.arm
+    to_hand = float(robot.link_length[JOINTS] - robot.link_centre[JOINTS])
+    outline = [(float(x), float(y) + to_hand) for x, y in hand_outline(arm)]
+    radius = arm.hand.finger_radius
+    return [_solid(pymunk.Segment(body, start, end, radius), _ARM_TYPE) for start, end in pairwise(outline)]
+
+
+def _solid(shape: pymunk.Shape, kind: int) -> pymunk.Shape:
+    shape.collision_type = kind
+    shape.filter = pymunk.ShapeFilter(group=_ROBOT_GROUP)
+    return shape
+
+
+@compiled
+def observe(handle: PlantHandle, state: Record) -> None:
+    """Read the bodies into the plant's state: poses, twists, joints, momentum. Wrenches are left as they are."""
+    pose, twist = _body_states(handle)
+    state.base_pose[:], state.base_twist[:] = pose[0], twist[0]
+    state.target_pose[:], state.target_twist[:] = pose[TARGET], twist[TARGET]
+    for arm in range(2):
+        for link in range(JOINTS):
+            child = body_of(arm, link)
+            parent = 0 if link == 0 else child - 1
+            state.joint_angle[arm, link] = pose[child, 2] - pose[parent, 2]
+            state.joint_rate[arm, link] = twist[child, 2] - twist[parent, 2]
+        hand = body_of(arm, JOINTS)
+        state.mount_angle[arm] = pose[hand, 2] - pose[hand - 1, 2]
+        state.mount_rate[arm] = twist[hand, 2] - twist[hand - 1, 2]
+    state.momentum[:] = 0.0
+    for body in range(BODIES):
+        px, py = handle.masses[body] * twist[body, 0], handle.masses[body] * twist[body, 1]
+        state.momentum[0] += px
+        state.momentum[1] += py
+        state.momentum[2] += handle.inertias[body] * twist[body, 2] + cross(pose[body, 0], pose[body, 1], px, py)
+    state.base_contact, state.arm_contact = handle.solid[0], handle.solid[1]
+
+
+@compiled
+def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
+    """Step the space through one control period under joint rates [rad/s], shape (2, 3).
+
+    The state is read back after the last step. Returns False if it is not finite.
+    """
+    steps = round(parameters.control.period / parameters.simulation.time_step)
+    for _ in range(steps):
+        _step(handle, parameters, joint_rate, state)
+    state.tick += 1
+    state.time = state.tick * parameters.control.period
+    return is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
+
+
+@compiled
+def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
+    dt = parameters.simulation.time_step
+    pose, twist = _body_states(handle)
+    predicted = pose + dt * twist
+    force = np.zeros((BODIES, 3))
+    touching = _tip_forces(handle, parameters, predicted, twist, force, state)
+    for body in range(BODIES):
+        if touching:
+            call_vector(handle.functions[SET_FORCE], handle.bodies[body], force[body, 0], force[body, 1])
+            call_scalar(handle.functions[SET_TORQUE], handle.bodies[body], force[body, 2])
+    _drive_servos(handle, parameters, joint_rate, predicted, state, touching)
+    call_scalar(handle.functions[STEP], handle.space, dt)
+    observe(handle, state)
+
+
+@compiled
+def _body_states(handle: PlantHandle) -> tuple[FloatArray, FloatArray]:
+    """Poses and twists of all bodies, shape (10, 3) each."""
+    pose, twist = np.empty((BODIES, 3)), np.empty((BODIES, 3))
+    for body in range(BODIES):
+        pointer = handle.bodies[body]
+        pose[body, 0], pose[body, 1] = get_vector(handle.functions[POSITION], pointer)
+        pose[body, 2] = get_scalar(handle.functions[ANGLE], pointer)
+        twist[body, 0], twist[body, 1] = get_vector(handle.functions[VELOCITY], pointer)
+        twist[body, 2] = get_scalar(handle.functions[ANGULAR_VELOCITY], pointer)
+    return pose, twist
+
+
+@compiled
+def _tip_forces(
+    handle: PlantHandle, parameters: Record, pose: FloatArray, twist: FloatArray, force: FloatArray, state: Record
+) -> bool:
+    """Contact of all four tips into the state, and as forces and torques on the bodies, shape (10, 3)."""
+    touching = False
+    for arm in range(2):
+        body = body_of(arm, JOINTS)
+        hand = _hand_pose(handle.robot, pose[body])
+        state.hand_wrench[arm, :] = 0.0
+        for tip in range(2):
+            x, y = tip_position(handle.robot, hand, tip)
+            contact = tip_contact(
+                parameters.contact, handle.target.half_side, handle.robot.tip_radius,
+                x, y, pose[body], twist[body], pose[TARGET], twist[TARGET],
+            )  # fmt: skip
+            state.tip_contact[arm, tip] = contact.touching
+            state.tip_force[arm, tip, 0], state.tip_force[arm, tip, 1] = contact.force_x, contact.force_y
+            if contact.touching:
+                touching = True
+                fx, fy, px, py = contact.force_x, contact.force_y, contact.point_x, contact.point_y
+                state.hand_wrench[arm, 0] += fx
+                state.hand_wrench[arm, 1] += fy
+                state.hand_wrench[arm, 2] += cross(px - hand[0], py - hand[1], fx, fy)
+                _add_force(force[body], pose[body], fx, fy, px, py)
+                _add_force(force[TARGET], pose[TARGET], -fx, -fy, px, py)
+    return touching
+
+
+@compiled
+def _add_force(total: FloatArray, pose: FloatArray, fx: float, fy: float, px: float, py: float) -> None:
+    """Add a force at a world point to a body's force and torque about its centre of mass, shape (3,)."""
+    total[0] += fx
+    total[1] += fy
+    total[2] += cross(px - pose[0], py - pose[1], fx, fy)
+
+
+@compiled
+def _hand_pose(robot: RobotModel, body_pose: FloatArray) -> FloatArray:
+    """Pose of the hand's centre from that of its centre of mass, shape (3,)."""
+    reach = robot.link_length[JOINTS] - robot.link_centre[JOINTS]
+    angle = body_pose[2]
+    return np.array([body_pose[0] - reach * math.sin(angle), body_pose[1] + reach * math.cos(angle), angle])
+
+
+@compiled
+def _drive_servos(
+    handle: PlantHandle, parameters: Record, joint_rate: FloatArray, pose: FloatArray, state: Record, touching: bool
+) -> None:
+    """Motor rates at the end of the step: a first-order lag to the command, giving way to contact wrenches.
+
+    d(rate)/dt = (command - rate) / T + H*^-1 J*^T F, exact over the step for a held command and force.
+    """
+    time_constant, dt = parameters.robot.servo.time_constant, parameters.simulation.time_step
+    decay = math.exp(-dt / time_constant) if time_constant > 0.0 else 0.0
+    given_way = np.zeros(2 * LINKS)
+    if touching and time_constant > 0.0:
+        given_way = time_constant * _acceleration(handle, parameters, pose, state)
+    for arm in range(2):
+        for link in range(LINKS):
+            driven = link < JOINTS
+            command = joint_rate[arm, link] if driven else 0.0
+            present = state.joint_rate[arm, link] if driven else state.mount_rate[arm]
+            settled = command + given_way[freedom(arm, link) - 3]
+            rate = settled + (present - settled) * decay
+            call_scalar(handle.functions[SET_RATE], handle.motors[LINKS * arm + link], -rate)
+
+
+@compiled
+def _acceleration(handle: PlantHandle, parameters: Record, pose: FloatArray, state: Record) -> FloatArray:
+    """H*^-1 J*^T F at these body poses, shape (8,) [rad/s2]."""
+    joint_angle, mount_angle = np.empty((2, JOINTS)), np.empty(2)
+    for arm in range(2):
+        for link in range(JOINTS):
+            child = body_of(arm, link)
+            joint_angle[arm, link] = pose[child, 2] - pose[0 if link == 0 else child - 1, 2]
+        hand = body_of(arm, JOINTS)
+        mount_angle[arm] = pose[hand, 2] - pose[hand - 1, 2]
+    links = chain(handle.robot, pose[0], joint_angle, mount_angle)
+    model = free_flying_model(handle.robot, pose[0], links)
+    free_joints = 2 * JOINTS if parameters.robot.servo.hand_mount == _RIGID else 2 * LINKS
+    return joint_acceleration_under_contact(model, state.hand_wrench, free_joints)
