@@ -1,0 +1,159 @@
+"""The commands that people type.
+
+A bad argument or configuration exits with 2 and names field, value and bound; anything else that fails exits with 1.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import sys
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+import click
+
+from server.settings import Settings
+from server.versions import becalm_version
+from sim.configurations import (
+    DEFAULT_CONFIGURATION,
+    merged,
+    named_configuration,
+    parse_setting,
+    read_config_file,
+    revised,
+)
+from sim.errors import CaptureError, ConfigError
+
+EXAMPLES = """\b
+Examples:
+  becalm serve                 start the console and open its page
+  becalm run --json            fly one capture headless
+  becalm COMMAND --help        options and more examples
+"""
+
+SERVE_EXAMPLES = """\b
+Examples:
+  becalm serve
+  becalm serve --port 8080 --no-open
+  becalm serve --configuration published --set control.impedance.damping=3.0
+"""
+
+RUN_EXAMPLES = """\b
+Examples:
+  becalm run
+  becalm run --direct --json
+  becalm run --configuration published_figures --log capture.parquet
+  becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
+"""
+
+
+class _Commands(click.Group):
+    """Turns what Becalm refuses into messages and exit codes, in one place."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ConfigError as error:
+            raise click.UsageError(_told(error)) from None
+        except CaptureError as error:
+            raise click.ClickException(_told(error)) from None
+        except OSError as error:
+            if error.errno == errno.EPIPE:
+                raise  # the reader of our output has gone; click ends quietly
+            raise click.ClickException(f"{error.filename}: {error.strerror}") from None
+
+
+def _told(error: CaptureError) -> str:
+    return f"{error}\nTip: {error.tip}" if error.tip else str(error)
+
+
+@click.group(
+    "becalm",
+    cls=_Commands,
+    epilog=EXAMPLES,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(becalm_version(), prog_name="becalm")
+def main() -> None:
+    """Calm a spinning piece of debris with a dual-arm free-flying robot, then cage it."""
+
+
+def _configured(command: Any) -> Any:
+    """The options by which a command takes a configuration."""
+    for option in (
+        click.option("--set", "settings", metavar="PATH=VALUE", multiple=True, help="Set one parameter; repeatable."),
+        click.option("--config", "file", type=click.Path(path_type=Path), help="TOML or JSON file of parameters."),
+    ):
+        command = option(command)
+    return command
+
+
+def _changes(file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
+    """The nested changes that a file and then the single settings make."""
+    return reduce(merged, map(parse_setting, settings), read_config_file(file) if file else {})
+
+
+@main.command(epilog=SERVE_EXAMPLES)
+@click.option("--host", help="Address to listen on.  [default: 127.0.0.1]")
+@click.option("--port", type=click.IntRange(0, 65535), help="Port to listen on; 0 takes a free one.  [default: 8000]")
+@click.option("--plant", help="What is flown: simulation.  [default: simulation]")
+@click.option("--configuration", metavar="NAME", help="Configuration to open with.  [default: published_figures]")
+@_configured
+@click.option(
+    "--open/--no-open", "open_page", default=None, help="Open the page in the browser.  [default: on a terminal]"
+)
+def serve(
+    *,
+    host: str | None,
+    port: int | None,
+    plant: str | None,
+    configuration: str | None,
+    file: Path | None,
+    settings: tuple[str, ...],
+    open_page: bool | None,
+) -> None:
+    """Start the service: console, scene, REST and telemetry on one port."""
+    chosen = Settings.from_environment(
+        host=host, port=port, plant=plant, configuration=configuration, changes=_changes(file, settings)
+    )
+    from becalm.serving import serve as serve_until_ended  # noqa: PLC0415 - web and scene take a second to load
+
+    serve_until_ended(chosen, open_page=sys.stdout.isatty() if open_page is None else open_page)
+
+
+@main.command(epilog=RUN_EXAMPLES, short_help="Fly one capture headless, as fast as it goes.")
+@click.option("--direct", is_flag=True, help="Direct caging, without detumbling.")
+@click.option(
+    "--configuration", metavar="NAME", default=DEFAULT_CONFIGURATION, show_default=True, help="Configuration."
+)
+@_configured
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the run's random numbers.")
+@click.option("--log", type=click.Path(path_type=Path), help="Write every tick to this .csv or .parquet file.")
+@click.option("--json", "as_json", is_flag=True, help="Print the outcome as one JSON document.")
+def run(
+    *,
+    direct: bool,
+    configuration: str,
+    file: Path | None,
+    settings: tuple[str, ...],
+    seed: int | None,
+    log: Path | None,
+    as_json: bool,
+) -> None:
+    """Fly one capture headless, as fast as it goes, and keep it in the library of runs."""
+    changes = _changes(file, settings)
+    if seed is not None:
+        changes = merged(changes, {"simulation": {"seed": seed}})
+    config = revised(named_configuration(configuration), changes)
+    from becalm import running, summary  # noqa: PLC0415 - the simulation takes a second to load
+    from server.runs import RunStore  # noqa: PLC0415
+
+    store = RunStore(Settings.from_environment().data_dir / "runs")
+    record = running.run(store, configuration, config, direct=direct, log=running.log_file(log) if log else None)
+    assert record.outcome is not None, "a run without an outcome has raised"
+    if as_json:
+        click.echo(json.dumps(summary.as_document(record, record.outcome)))
+    else:
+        click.echo(summary.as_text(record, record.outcome))

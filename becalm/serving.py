@@ -1,0 +1,92 @@
+"""`becalm serve`: the service on one port, announced when it is ready."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import socket
+import webbrowser
+from collections.abc import Callable
+
+import click
+import uvicorn
+
+from server.app import create_app
+from server.problems import AddressInUse
+from server.settings import Settings
+
+ANY_ADDRESS = ("0.0.0.0", "::", "")
+
+SHUTDOWN_TIME = 3
+"""How long open connections may take to end [s]."""
+
+
+def bound_socket(host: str, port: int) -> socket.socket:
+    """A socket bound to this address, before anything is started for it.
+
+    Raises:
+        AddressInUse: it cannot be had; the message names the address and what to do.
+
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    # The protocol must be named: asyncio turns Nagle's algorithm off (40 ms an answer) only where it is.
+    bound = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+        bound.listen()
+    except OSError as error:
+        bound.close()
+        raise _unavailable(host, port, error) from None
+    return bound
+
+
+def _unavailable(host: str, port: int, error: OSError) -> AddressInUse:
+    if error.errno == errno.EADDRINUSE:
+        tip = f"end the program that listens there, or choose another port, such as --port {port + 1}"
+        return AddressInUse(f"port {port} on {host} is in use", tip=tip)
+    tip = "choose an address of this machine with --host, and a port above 1023 with --port"
+    return AddressInUse(f"cannot listen on {host}, port {port}: {error.strerror or error}", tip=tip)
+
+
+def serve(settings: Settings, *, open_page: bool) -> None:
+    """Serve until the process is asked to end.
+
+    Raises:
+        ConfigError: the configuration that the mission should open with cannot be.
+        AddressInUse: the address cannot be had.
+
+    """
+    app = create_app(settings)
+    with bound_socket(settings.host, settings.port) as bound:
+        url = _url(settings.host, bound.getsockname()[1])
+        config = uvicorn.Config(
+            app, log_level="warning", ws_per_message_deflate=False, timeout_graceful_shutdown=SHUTDOWN_TIME
+        )
+        server = _AnnouncingServer(config, lambda: _announce(url, open_page=open_page))
+        with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
+            server.run(sockets=[bound])
+
+
+def _url(host: str, port: int) -> str:
+    name = "127.0.0.1" if host in ANY_ADDRESS else f"[{host}]" if ":" in host else host
+    return f"http://{name}:{port}/"
+
+
+def _announce(url: str, *, open_page: bool) -> None:
+    click.echo(f"Becalm is ready at {url}  (end it with Ctrl-C)")
+    if open_page:
+        webbrowser.open(url)
+
+
+class _AnnouncingServer(uvicorn.Server):
+    """Says once that it is ready."""
+
+    def __init__(self, config: uvicorn.Config, announce: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._announce = announce
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._announce()

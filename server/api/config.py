@@ -1,0 +1,151 @@
+"""`/mission/config` and `/configurations`: what is flown, what may be changed, and between which bounds."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Any, Literal
+
+import annotated_types
+from fastapi import APIRouter, Body
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.api.mission import answered
+from server.api.problem_json import responses
+from server.api.services import Services, ServicesDep
+from server.inbox import Request
+from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
+from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
+
+router = APIRouter(tags=["configuration"])
+
+DESCRIPTIONS = {
+    "published": "The constants that reproduce the paper's tables; m 0.10, d 1.5, k 10",
+    "as_printed": "The constants as the paper's Tables I and II print them",
+    "published_figures": "The impedance that fits the paper's figures: five soft touches, m 0.2, d 0.1, k 0.1",
+}
+
+
+class Edit(BaseModel):
+    """A parameter that differs from the named configuration."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    from_: Any = Field(alias="from", description="Its value in the named configuration")
+    to: Any = Field(description="Its value now")
+
+
+class ConfigBody(BaseModel):
+    """The configuration in force."""
+
+    name: str = Field(examples=["published_figures (edited)"])
+    config: MissionConfig
+    edited: dict[str, Edit] = Field(
+        description="By full path", examples=[{"control.impedance.damping": {"from": 0.1, "to": 3.0}}]
+    )
+
+
+class ConfigurationBody(BaseModel):
+    """A named configuration."""
+
+    name: str
+    description: str
+    config: MissionConfig
+
+
+class Parameter(BaseModel):
+    """One number or choice of the configuration."""
+
+    path: str = Field(examples=["control.impedance.damping"])
+    group: str = Field(examples=["control.impedance"])
+    name: str = Field(examples=["damping"])
+    type: Literal["number", "integer", "choice"]
+    description: str
+    unit: str = Field(description="SI; 1 if it has none", examples=["N s/m"])
+    default: float | int | str
+    minimum: float | None = None
+    exclusive_minimum: float | None = None
+    maximum: float | None = None
+    choices: list[str] | None = None
+    source: str = Field(description="Where the default comes from", examples=["Sec. IV-B, representative case"])
+    live: bool = Field(description="May change while a mission flies")
+
+
+class ParameterSchema(BaseModel):
+    """Every parameter, flat for a form and as JSON schema for a validator."""
+
+    parameters: list[Parameter]
+    json_schema: dict[str, Any]
+
+
+@router.get("/mission/config")
+async def config(services: ServicesDep) -> ConfigBody:
+    """The configuration in force, and how it differs from the named one it began as."""
+    return _body(services)
+
+
+@router.patch("/mission/config", responses=responses(409, 422, 503, 504))
+async def change_config(
+    services: ServicesDep,
+    changes: Annotated[
+        dict[str, Any],
+        Body(description="Nested, only what changes", examples=[{"control": {"impedance": {"damping": 3.0}}}]),
+    ],
+) -> ConfigBody:
+    """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
+    await answered(services, Request("configure", changes=changes))
+    return _body(services)
+
+
+@router.get("/mission/config/schema")
+async def config_schema() -> ParameterSchema:
+    """Every parameter with unit, bounds, default and source."""
+    parameters = [_parameter(path) for path in PARAMETERS]
+    return ParameterSchema(parameters=parameters, json_schema=MissionConfig.model_json_schema())
+
+
+@router.get("/configurations")
+async def configurations() -> list[ConfigurationBody]:
+    """The named configurations."""
+    return [
+        ConfigurationBody(name=name, description=DESCRIPTIONS.get(name, ""), config=named)
+        for name, named in NAMED_CONFIGURATIONS.items()
+    ]
+
+
+def _body(services: Services) -> ConfigBody:
+    view = services.loop.view
+    edited = differences(named_configuration(view.configuration), view.config)
+    edits = {path: Edit(from_=old, to=new) for path, (old, new) in edited.items()}
+    return ConfigBody(name=view.name, config=view.config, edited=edits)
+
+
+def _parameter(path: str) -> Parameter:
+    field = PARAMETERS[path]
+    group, _, name = path.rpartition(".")
+    kind: Any = field.annotation
+    is_choice = isinstance(kind, type) and issubclass(kind, StrEnum)
+    return Parameter(
+        path=path,
+        group=group,
+        name=name,
+        type="choice" if is_choice else "integer" if kind is int else "number",
+        description=field.description,
+        unit=field.json_schema_extra["unit"],
+        default=value_at(MissionConfig(), path),
+        choices=[each.value for each in kind] if is_choice else None,
+        source=field.json_schema_extra["source"],
+        live=is_live(path),
+        **_bounds(field.metadata),
+    )
+
+
+def _bounds(constraints: list[Any]) -> dict[str, float]:
+    bounds: dict[str, float] = {}
+    for constraint in constraints:
+        if isinstance(constraint, annotated_types.Ge):
+            bounds["minimum"] = float(constraint.ge)  # type: ignore[arg-type]
+        elif isinstance(constraint, annotated_types.Gt):
+            bounds["exclusive_minimum"] = float(constraint.gt)  # type: ignore[arg-type]
+        elif isinstance(constraint, annotated_types.Le):
+            bounds["maximum"] = float(constraint.le)  # type: ignore[arg-type]
+    return bounds

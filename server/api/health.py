@@ -1,0 +1,52 @@
+"""`/health`: whether the service and its mission are alive."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.api.services import ServicesDep
+from server.loop import LoopStatus
+from server.versions import becalm_version
+
+router = APIRouter(tags=["service"])
+
+
+class Health(BaseModel):
+    """Alive, and what of it is old."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "example": {
+                "status": "ok",
+                "version": "0.1.0",
+                "plant": "simulation",
+                "tick_age": 0.0012,
+                "link_age": None,
+                "phase": "idle",
+            }
+        }
+    )
+
+    status: LoopStatus = Field(description="preparing: the simulation is being compiled; faulted: reset it")
+    version: str
+    plant: Literal["simulation"]
+    tick_age: float | None = Field(description="Since the last tick [s]; null before the first")
+    link_age: float | None = Field(description="Since the robot was last heard of [s]; null in simulation")
+    phase: str | None = Field(description="Of the mission; null before there is one")
+
+
+@router.get("/health")
+async def health(services: ServicesDep) -> Health:
+    """Whether the service is alive; it answers while the simulation is still being prepared."""
+    latest = services.feed.latest
+    return Health(
+        status=services.loop.status,
+        version=becalm_version(),
+        plant=services.settings.plant,
+        tick_age=services.loop.tick_age,
+        link_age=None,
+        phase=latest.snapshot.phase if latest else None,
+    )

@@ -1,0 +1,114 @@
+"""`/mission`: the live mission, what it is doing and what is asked of it."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated, Literal, Self
+
+from fastapi import APIRouter, Query, Response
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from server.api.problem_json import responses
+from server.api.services import Services, ServicesDep
+from server.history import History
+from server.inbox import CommandAnswer, Request
+from server.problems import LoopSilent
+from server.published import MissionSnapshot
+
+ANSWER_TIME = 2.0
+"""How long the mission thread may take to answer [s]."""
+
+STEP_TIME = 1e-3
+"""How much longer it may take for each tick of a step [s]."""
+
+router = APIRouter(prefix="/mission", tags=["mission"], responses=responses(503))
+
+
+class CommandRequest(BaseModel):
+    """What an operator asks of the mission or, for the simulation, of its clock."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {"command": "capture"},
+                {"command": "run", "speed": 0},
+                {"command": "step", "ticks": 10},
+                {"command": "reset", "configuration": "published_figures"},
+            ]
+        },
+    )
+
+    command: Literal["capture", "detumble", "cage", "direct_cage", "hold", "release", "reset", "pause", "run", "step"]
+    speed: float | None = Field(
+        None,
+        ge=0,
+        le=100,
+        allow_inf_nan=False,
+        description="With `run`: multiple of real time, 0.1 to 100; 0 as fast as it goes",
+    )
+    ticks: int | None = Field(None, ge=1, le=100_000, description="With `step`: ticks to fly; 1 if left out")
+    configuration: str | None = Field(
+        None, description="With `reset`: a named configuration; the present one if left out"
+    )
+
+    @model_validator(mode="after")
+    def _fields_belong_to_the_command(self) -> Self:
+        for field, command in (("speed", "run"), ("ticks", "step"), ("configuration", "reset")):
+            if getattr(self, field) is not None and self.command != command:
+                value = getattr(self, field)
+                raise ValueError(f"{field} = {value}: it belongs to the command {command}, not to {self.command}")
+        if self.speed is not None and 0 < self.speed < 0.1:
+            raise ValueError(f"speed = {self.speed:g}: it is 0 (as fast as it goes) or 0.1 to 100")
+        return self
+
+
+@router.get("", responses={200: {"model": MissionSnapshot}})
+async def mission(services: ServicesDep) -> Response:
+    """The latest snapshot; its `outcome` is null until the mission has one."""
+    latest = services.feed.latest
+    if latest is None:
+        raise services.loop.not_ready()
+    return Response(latest.encoded, media_type="application/json")
+
+
+@router.get("/history", responses={200: {"model": History}, **responses(422)})
+async def history(
+    services: ServicesDep,
+    since: Annotated[int, Query(description="Only ticks after this one")] = -1,
+) -> Response:
+    """The mission so far in at most 3000 rows of the plotted columns, for a browser that comes late."""
+    return Response("{" + services.feed.history.encoded(since) + "}", media_type="application/json")
+
+
+@router.post("/commands", responses=responses(409, 422, 504))
+async def command(services: ServicesDep, body: CommandRequest) -> CommandAnswer:
+    """Ask something of the mission; the answer says what the mission thread did."""
+    ticks = body.ticks or 1
+    request = Request(body.command, speed=body.speed, ticks=ticks, configuration=body.configuration)
+    patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
+    return await answered(services, request, patience)
+
+
+@router.post("/stop", responses=responses(504))
+async def stop(services: ServicesDep) -> CommandAnswer:
+    """Stop: joint rates zero, in every phase, before everything else that waits."""
+    return await answered(services, Request("stop"))
+
+
+async def answered(services: Services, request: Request, patience: float = ANSWER_TIME) -> CommandAnswer:
+    """The mission thread's answer.
+
+    Raises:
+        CaptureError: what it refused the request with.
+        LoopSilent: it did not answer within `patience` [s].
+
+    """
+    answer = asyncio.wrap_future(services.loop.ask(request))
+    try:
+        return await asyncio.wait_for(answer, patience)
+    except TimeoutError:
+        raise LoopSilent(
+            f"the mission thread did not answer {request.command} within {patience:g} s",
+            tip="GET /api/v1/mission shows whether it was done after all",
+        ) from None

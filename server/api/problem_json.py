@@ -1,0 +1,185 @@
+"""Every error as a problem document (RFC 9457) with a tip."""
+
+from __future__ import annotations
+
+import logging
+import math
+import re
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field, ValidationError
+from starlette.exceptions import HTTPException
+
+from server.problems import LoopSilent, ServiceBusy
+from sim.config import PARAMETERS
+from sim.errors import CaptureError, ConfigError, MissionRefused, RunNotFound
+
+MEDIA_TYPE = "application/problem+json"
+
+STATUSES: dict[type[CaptureError], int] = {
+    ConfigError: 422,
+    MissionRefused: 409,
+    RunNotFound: 404,
+    ServiceBusy: 503,
+    LoopSilent: 504,
+}
+
+_TITLES = {
+    404: "Not found",
+    405: "Method not allowed",
+    409: "Refused",
+    422: "Invalid value",
+    503: "Not now",
+    504: "No answer",
+}
+
+_TIPS = {
+    404: "/docs lists every address",
+    405: "/docs lists every address with its methods",
+    422: "/docs shows what is expected",
+}
+
+_NAMED_VALUE = re.compile(r"([\w.]+) = ('[^']*'|[^\s:,]+)")
+
+log = logging.getLogger(__name__)
+
+
+class Finding(BaseModel):
+    """One value that cannot be."""
+
+    field: str = Field(examples=["target.mass"])
+    value: Any = Field(None, examples=[-1.0])
+    message: str = Field(examples=["Input should be greater than 0 [kg]"])
+
+
+class ProblemDocument(BaseModel):
+    """RFC 9457."""
+
+    type: str = "about:blank"
+    title: str = Field(examples=["Refused"])
+    status: int = Field(examples=[409])
+    detail: str = Field(examples=["release is refused in phase idle: nothing is under way yet"])
+    tip: str = Field("", description="What a person can do about it")
+    errors: list[Finding] | None = Field(None, description="Of 422: each value that cannot be")
+
+
+def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The OpenAPI entries of these errors."""
+    return {status: {"model": ProblemDocument, "description": _TITLES[status]} for status in statuses}
+
+
+def name_media_type(document: dict[str, Any]) -> None:
+    """Put the errors of an OpenAPI document under the media type that they are really sent with."""
+    for operation in (each for path in document["paths"].values() for each in path.values()):
+        for status, response in operation["responses"].items():
+            if status >= "400" and "application/json" in response.get("content", {}):
+                response["content"] = {MEDIA_TYPE: response["content"]["application/json"]}
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error of this application with a problem document."""
+    app.add_exception_handler(CaptureError, _refused)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(Exception, _unexpected)
+
+
+def _answer(document: ProblemDocument, headers: dict[str, str] | None = None) -> JSONResponse:
+    content = document.model_dump(mode="json", exclude_none=True)
+    return JSONResponse(content, document.status, headers=headers, media_type=MEDIA_TYPE)
+
+
+async def _refused(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, CaptureError)
+    status = next((code for kind, code in STATUSES.items() if isinstance(error, kind)), 500)
+    document = ProblemDocument(
+        title=_TITLES.get(status, "Failed"),
+        status=status,
+        detail=str(error),
+        tip=error.tip,
+        errors=_config_findings(error) if isinstance(error, ConfigError) else None,
+    )
+    return _answer(document, {"Retry-After": "1"} if status == 503 else None)
+
+
+def _config_findings(error: ConfigError) -> list[Finding]:
+    """Field, value and message of each value that a configuration was refused for."""
+    cause = error.__cause__ or error.__context__
+    if isinstance(cause, ValidationError):
+        return [_finding(each) for each in cause.errors(include_url=False, include_context=False)]
+    return [_named_finding(str(error))]
+
+
+def _finding(error: Any) -> Finding:
+    field = ".".join(map(str, error["loc"]))
+    message = error["msg"].removeprefix("Value error, ")
+    if not field:
+        return _named_finding(message)
+    if field in PARAMETERS and (unit := PARAMETERS[field].json_schema_extra["unit"]) != "1":
+        message = f"{message} [{unit}]"
+    return Finding(field=field, value=_jsonable(error["input"]), message=message)
+
+
+def _named_finding(message: str) -> Finding:
+    """A check across fields names the first of them, and its value, in its words: `field = value`."""
+    named = _NAMED_VALUE.match(message)
+    return Finding(field=named[1] if named else "", value=named[2] if named else None, message=message)
+
+
+def _in_words(finding: Finding) -> str:
+    if finding.message.startswith(f"{finding.field} = ") or not finding.field:
+        return finding.message
+    return f"{finding.field} = {finding.value!r}: {finding.message}"
+
+
+async def _invalid(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    findings = [_request_finding(each) for each in error.errors()]
+    detail = "; ".join(map(_in_words, findings))
+    document = ProblemDocument(title=_TITLES[422], status=422, detail=detail, tip=_TIPS[422], errors=findings)
+    return _answer(document)
+
+
+def _request_finding(error: Any) -> Finding:
+    location: Sequence[Any] = error["loc"]
+    field = ".".join(map(str, location[1:]))
+    message = error["msg"].removeprefix("Value error, ")
+    return (
+        _named_finding(message)
+        if not field
+        else Finding(field=field, value=_jsonable(error.get("input")), message=message)
+    )
+
+
+def _jsonable(value: Any) -> Any:
+    """The value itself if JSON can say it, else in words: NaN, for one."""
+    if isinstance(value, bool | str | int | None):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    return repr(value)
+
+
+async def _http_error(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    status = error.status_code
+    title = _TITLES.get(status, HTTPStatus(status).phrase)
+    document = ProblemDocument(title=title, status=status, detail=str(error.detail), tip=_TIPS.get(status, ""))
+    return _answer(document, dict(error.headers or {}))
+
+
+async def _unexpected(_: Request, error: Exception) -> JSONResponse:
+    log.error("an unexpected error", exc_info=error)
+    return _answer(
+        ProblemDocument(
+            title="Failed",
+            status=500,
+            detail=f"{type(error).__name__}: an error that Becalm did not expect",
+            tip="the service's log tells more; please report it",
+        )
+    )

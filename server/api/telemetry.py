@@ -1,0 +1,96 @@
+"""`WS /telemetry`: snapshots at the rate that the client asks for, events, and the history on joining."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
+
+from server.api.services import Services, ServicesDep
+from server.feed import Feed, Subscriber, snapshot_text
+from server.settings import TELEMETRY_RATE_LIMITS
+from server.versions import becalm_version
+
+SEND_TIME = 20.0
+"""A client that takes nothing for this long is let go [s]; its queue has lost its oldest frames long before."""
+
+PREPARING_PERIOD = 1.0
+"""Wall time between two messages that the simulation is being prepared [s]."""
+
+LARGEST_MESSAGE = 1024
+
+router = APIRouter()
+
+
+@router.websocket("/telemetry")
+async def telemetry(
+    websocket: WebSocket,
+    services: ServicesDep,
+    rate: Annotated[float, Query()] = TELEMETRY_RATE_LIMITS[1],
+) -> None:
+    """Send until the client leaves or stops taking."""
+    await websocket.accept()
+    subscriber = services.feed.subscribe(_within_limits(rate))
+    sender = asyncio.create_task(_send(websocket, services, subscriber))
+    receiver = asyncio.create_task(_receive(websocket, subscriber))
+    try:
+        await asyncio.wait((sender, receiver), return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        services.feed.unsubscribe(subscriber)
+        for task in (sender, receiver):
+            task.cancel()
+        await asyncio.gather(sender, receiver, return_exceptions=True)
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+            await websocket.close()
+
+
+async def _send(websocket: WebSocket, services: Services, subscriber: Subscriber) -> None:
+    async def send(text: str) -> None:
+        await asyncio.wait_for(websocket.send_text(text), SEND_TIME)
+
+    hello = {"type": "hello", "version": becalm_version(), "rate": subscriber.rate}
+    await send(json.dumps(hello))
+    await _send_until_ready(send, services)
+    await _send_mission_so_far(send, services.feed)
+    while True:
+        await send((await subscriber.next()).text)
+
+
+async def _send_until_ready(send: Any, services: Services) -> None:
+    while services.feed.latest is None:
+        detail = str(services.loop.not_ready())
+        await send(json.dumps({"type": "preparing", "status": services.loop.status, "message": detail}))
+        await asyncio.sleep(PREPARING_PERIOD)
+
+
+async def _send_mission_so_far(send: Any, feed: Feed) -> None:
+    await send('{"type":"history",' + feed.history.encoded() + "}")
+    if feed.latest is not None:
+        await send(snapshot_text(feed.latest.encoded))
+
+
+async def _receive(websocket: WebSocket, subscriber: Subscriber) -> None:
+    with contextlib.suppress(WebSocketDisconnect):
+        while True:
+            _heed(await websocket.receive_text(), subscriber)
+
+
+def _heed(text: str, subscriber: Subscriber) -> None:
+    """Do what a client's message says; what is no such message is ignored."""
+    try:
+        message = json.loads(text[:LARGEST_MESSAGE])
+        if message["type"] == "rate":
+            subscriber.rate = _within_limits(float(message["rate"]))
+        elif message["type"] == "ack":
+            subscriber.acknowledge(int(message["tick"]))
+    except (ValueError, KeyError, TypeError, OverflowError):
+        return
+
+
+def _within_limits(rate: float) -> float:
+    lowest, highest = TELEMETRY_RATE_LIMITS
+    return min(max(rate, lowest), highest) if math.isfinite(rate) else highest

@@ -1,0 +1,112 @@
+"""The composition root: settings in, one ASGI application out. Nothing runs before its lifespan begins."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any
+
+from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
+
+from server import scene_proxy
+from server.api import PREFIX, config, health, mission, problem_json, runs, telemetry
+from server.api.origin import SameOrigin
+from server.api.services import Services
+from server.console import serve_console
+from server.feed import Feed
+from server.loop import MissionLoop
+from server.projector import Projector
+from server.recorder import Recorder
+from server.runs import RunStore
+from server.scene import Scene
+from server.scripted import ScriptedRuns
+from server.settings import Settings
+from server.versions import becalm_version
+
+SWITCH_INTERVAL = 5e-4
+"""Longest time that another thread keeps Python from the mission thread [s]; Python's own default is 5 ms."""
+
+DESCRIPTION = """Mission console for a dual-arm free-flying robot that detumbles and cages spinning debris.
+
+SI units and radians; poses are (x, y, angle), twists (vx, vy, angular velocity), wrenches (fx, fy, torque),
+all in world axes. Errors are problem documents (RFC 9457). Telemetry is a WebSocket at `/api/v1/telemetry`."""
+
+
+class Service(FastAPI):
+    """FastAPI, but for the media type of errors in its OpenAPI document."""
+
+    def openapi(self) -> dict[str, Any]:
+        """The OpenAPI document."""
+        document = super().openapi()
+        problem_json.name_media_type(document)
+        return document
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """The service with these settings.
+
+    Raises:
+        ConfigError: the configuration that it should open with cannot be.
+
+    """
+    initial = settings.initial_config()
+    feed = Feed()
+    store = RunStore(settings.data_dir / "runs")
+    recorder = Recorder(store)
+    loop = MissionLoop(settings.configuration, initial, feed, recorder)
+    services = Services(settings, feed, loop, store, ScriptedRuns(store))
+    projector = Projector(Scene(initial), feed, loop)
+
+    app = Service(
+        title="Becalm",
+        version=becalm_version(),
+        description=DESCRIPTION,
+        docs_url=None,
+        redoc_url=None,
+        lifespan=_lifespan(services, recorder, projector),
+        generate_unique_id_function=_operation_id,
+    )
+    app.state.services = services
+    problem_json.install(app)
+    app.add_middleware(SameOrigin, hosts=settings.own_hosts())
+    _route(app)
+    return app
+
+
+def _lifespan(
+    services: Services, recorder: Recorder, projector: Projector
+) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        services.feed.attach(asyncio.get_running_loop())
+        recorder.start()
+        services.loop.start()
+        app.state.scene_port = projector.start()
+        services.scripted.resume()
+        try:
+            yield
+        finally:
+            services.feed.detach()
+            projector.shutdown()
+            services.loop.shutdown()
+            recorder.shutdown()
+            services.scripted.shutdown()
+
+    return lifespan
+
+
+def _route(app: FastAPI) -> None:
+    api = APIRouter(prefix=PREFIX)
+    for resource in (health, mission, config, runs, telemetry):
+        api.include_router(resource.router)
+    app.include_router(api)
+    app.include_router(scene_proxy.router)
+    serve_console(app)
+
+
+def _operation_id(route: APIRoute) -> str:
+    return route.name

@@ -1,0 +1,62 @@
+"""The built console at `/`, or where to get it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from fastapi import FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import HTMLResponse
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Receive, Scope, Send
+from starlette.websockets import WebSocketClose
+
+STATIC = Path(__file__).parent / "static"
+"""Where the web build puts it."""
+
+
+class ConsoleFiles(StaticFiles):
+    """Pages are asked for again each time; files under `assets/` carry their content's hash and are kept."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a file; there is no websocket here."""
+        if scope["type"] == "websocket":
+            await WebSocketClose()(scope, receive, send)
+        else:
+            await super().__call__(scope, receive, send)
+
+    def file_response(
+        self, full_path: os.PathLike[str] | str, stat_result: os.stat_result, scope: Scope, status_code: int = 200
+    ) -> Response:
+        """The file with its caching."""
+        response = super().file_response(full_path, stat_result, scope, status_code)
+        kept = "assets" in Path(full_path).parts
+        response.headers["Cache-Control"] = "public, max-age=31536000, immutable" if kept else "no-cache"
+        return response
+
+
+def serve_console(app: FastAPI, static: Path = STATIC) -> None:
+    """Add the API's documentation and, last of all routes, the console."""
+    app.add_api_route("/docs", _docs, include_in_schema=False)
+    if (static / "index.html").exists():
+        app.mount("/", ConsoleFiles(directory=static, html=True))
+    else:
+        app.add_api_route("/", _not_built, include_in_schema=False)
+
+
+async def _docs() -> HTMLResponse:
+    """From files of our own: it works offline."""
+    return get_swagger_ui_html(
+        openapi_url="/openapi.json",
+        title="Becalm API",
+        swagger_js_url="/swagger/swagger-ui-bundle.js",
+        swagger_css_url="/swagger/swagger-ui.css",
+        swagger_favicon_url="/favicon.svg",
+    )
+
+
+async def _not_built() -> None:
+    raise HTTPException(503, "the console is not built; `pip install .` builds it. /docs and the API work without it")

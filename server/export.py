@@ -1,0 +1,92 @@
+"""A run's ticks as CSV and Parquet, in chunks of bounded size, also of a run in progress.
+
+One row a tick; columns are named `group.quantity.axis` and every number keeps all its bits.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from typing import Any, Literal
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from server.run_folder import RunReader, TickArray
+from sim.capture.tick import COLUMNS, column_values
+
+LogFormat = Literal["csv", "parquet"]
+MEDIA_TYPES: dict[LogFormat, str] = {"csv": "text/csv; charset=utf-8", "parquet": "application/vnd.apache.parquet"}
+
+
+def exported(reader: RunReader, log_format: LogFormat) -> Iterator[bytes]:
+    """The run's ticks in that format, piece by piece."""
+    return _csv(reader) if log_format == "csv" else _parquet(reader)
+
+
+def table_schema(reader: RunReader) -> pa.Schema:
+    """The columns with their units, and what the run was flown with, as Parquet keeps them."""
+    dtype = reader.record.layout.dtype()
+    fields = [
+        pa.field(column.name, pa.from_numpy_dtype(dtype[column.quantity].base), False, {"unit": column.unit})
+        for column in COLUMNS
+    ]
+    record = reader.record
+    outcome = record.outcome.model_dump_json() if record.outcome else "null"
+    metadata = {"run": record.id, "config": record.config.model_dump_json(), "outcome": outcome}
+    return pa.schema(fields, metadata)
+
+
+def _batch(ticks: TickArray, schema: pa.Schema) -> pa.RecordBatch:
+    arrays = [pa.array(np.ascontiguousarray(column_values(ticks, column))) for column in COLUMNS]
+    return pa.RecordBatch.from_arrays(arrays, schema=schema)
+
+
+def _csv(reader: RunReader) -> Iterator[bytes]:
+    schema = table_schema(reader)
+    lines = [f"# Becalm run {reader.record.id}, one row a tick; units:"]
+    lines += [f"# {column.name} [{column.unit}]" for column in COLUMNS]
+    lines.append(",".join(column.name for column in COLUMNS))
+    yield ("\n".join(lines) + "\n").encode()
+    options = pa.csv.WriteOptions(include_header=False)
+    for ticks in reader.chunks():
+        sink = io.BytesIO()
+        pa.csv.write_csv(_batch(ticks, schema), sink, options)
+        yield sink.getvalue()
+
+
+def _parquet(reader: RunReader) -> Iterator[bytes]:
+    sink = _Sink()
+    schema = table_schema(reader)
+    with pa.parquet.ParquetWriter(sink, schema, compression="zstd") as writer:
+        for ticks in reader.chunks():
+            writer.write_batch(_batch(ticks, schema))
+            yield sink.taken()
+    yield sink.taken()
+
+
+class _Sink(io.RawIOBase):
+    """A file that only remembers what was written to it since it was last emptied."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._pieces: list[bytes] = []
+        self._position = 0
+
+    def writable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._position
+
+    def write(self, piece: Any) -> int:
+        content = bytes(piece)
+        self._pieces.append(content)
+        self._position += len(content)
+        return len(content)
+
+    def taken(self) -> bytes:
+        pieces, self._pieces = self._pieces, []
+        return b"".join(pieces)

@@ -1,0 +1,109 @@
+"""How requests reach the mission thread: a bounded queue of (request, future), and STOP beside it."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from pydantic import Field
+
+from server.problems import ServiceBusy
+from sim.capture.snapshot import Published
+
+CAPACITY = 32
+"""Requests that may wait; a healthy loop empties the inbox every few milliseconds."""
+
+CommandName = Literal[
+    "capture",
+    "detumble",
+    "cage",
+    "direct_cage",
+    "hold",
+    "release",
+    "reset",
+    "pause",
+    "run",
+    "step",
+    "stop",
+    "configure",
+]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What somebody asks of the mission thread."""
+
+    command: CommandName
+    who: str = "operator"
+    speed: float | None = None
+    ticks: int = 1
+    configuration: str | None = None
+    changes: dict[str, Any] = field(default_factory=dict)
+
+
+class CommandAnswer(Published):
+    """What the loop did with a request that it granted."""
+
+    id: str = Field(description="Of this request, unique within the service")
+    command: CommandName
+    accepted: bool
+    phase: str = Field(description="After the request")
+    tick: int
+    time: float = Field(description="Mission time [s]")
+    message: str
+
+
+Answer = Future[CommandAnswer]
+
+
+class Inbox:
+    """Bounded. STOP is not queued: it is looked at first in every turn."""
+
+    def __init__(self) -> None:
+        self.wake = threading.Event()
+        self._requests: deque[tuple[Request, Answer]] = deque()
+        self._lock = threading.Lock()
+        self._stops: list[tuple[Request, Answer]] = []
+
+    def put(self, request: Request) -> Answer:
+        """Queue a request.
+
+        Raises:
+            ServiceBusy: too many wait already.
+
+        """
+        answer: Answer = Future()
+        with self._lock:
+            waiting = self._stops if request.command == "stop" else self._requests
+            if request.command != "stop" and len(waiting) >= CAPACITY:
+                raise ServiceBusy(f"{CAPACITY} requests wait already", tip="the mission thread is busy; try again")
+            waiting.append((request, answer))
+        self.wake.set()
+        return answer
+
+    def stops(self) -> list[tuple[Request, Answer]]:
+        """Take every STOP that was asked for, also by who no longer waits for the answer."""
+        if not self._stops:
+            return []
+        with self._lock:
+            stops, self._stops = self._stops, []
+        for _, answer in stops:
+            answer.set_running_or_notify_cancel()
+        return stops
+
+    def requests(self) -> Iterator[tuple[Request, Answer]]:
+        """Take the queued requests one by one, the oldest first, but for those that were given up."""
+        while self._requests:
+            request, answer = self._requests.popleft()
+            if answer.set_running_or_notify_cancel():
+                yield request, answer
+
+    def refuse_all(self, error: Exception) -> None:
+        """Answer everything that waits with this error."""
+        for _, answer in (*self.stops(), *self.requests()):
+            if not answer.cancelled():
+                answer.set_exception(error)

@@ -1,0 +1,219 @@
+"""The mission that flies now, with its run, its events and its problems.
+
+No thread lives here: `server.loop` calls it from the mission thread, and nobody else does.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from server.inbox import Request
+from server.live_run import LiveRun
+from server.problems import ProblemBoard, problem_of
+from server.recorder import Recorder
+from server.run_folder import LoggedEvent, RunStatus, TickArray
+from server.runs import wall_clock
+from sim.capture.events import Event
+from sim.capture.mission import Mission
+from sim.capture.snapshot import Snapshot
+from sim.config import MissionConfig, differences, is_live
+from sim.configurations import named_configuration
+from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
+from sim.errors import MissionRefused
+
+ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
+RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
+
+log = logging.getLogger(__name__)
+
+
+def display_name(configuration: str, config: MissionConfig) -> str:
+    """The configuration's name, and whether it has been edited."""
+    edited = differences(named_configuration(configuration), config)
+    return f"{configuration} (edited)" if edited else configuration
+
+
+class LiveMission:
+    """One mission from its reset to the next."""
+
+    def __init__(
+        self,
+        configuration: str,
+        config: MissionConfig,
+        recorder: Recorder,
+        announce: Callable[[LoggedEvent], None],
+        keep: Callable[[TickArray], None],
+    ) -> None:
+        self._mission = Mission(config)
+        self._announce = announce
+        self._keep = keep
+        self._failure: str | None = None
+        self._activity = Activity.NONE
+        self._tick, self._time = 0, 0.0
+        self._name = display_name(configuration, config)
+        self.configuration = configuration
+        self.problems = ProblemBoard()
+        self.run = LiveRun(recorder, self._name, config)
+
+    @property
+    def name(self) -> str:
+        """The configuration's name as it is shown."""
+        return self._name
+
+    @property
+    def config(self) -> MissionConfig:
+        """In force."""
+        return self._mission.config
+
+    @property
+    def phase(self) -> Phase:
+        """The mission's, or `FAULTED` after any failure of a tick."""
+        return Phase.FAULTED if self._failure else self._mission.phase
+
+    @property
+    def time(self) -> float:
+        """Mission time of the last tick [s]."""
+        return self._time
+
+    @property
+    def tick(self) -> int:
+        """The last tick."""
+        return self._tick
+
+    @property
+    def resting(self) -> bool:
+        """Whether nothing is under way, so that there is no reason to hurry."""
+        done = self._mission.outcome is not None and self.phase not in ACTIVE_PHASES
+        return self.phase in RESTING_PHASES or (done and self._activity is Activity.NONE)
+
+    def begin(self) -> None:
+        """Begin the mission's run; the run before it has been closed."""
+        self.run.open()
+
+    def grant(self, command: Command) -> None:
+        """Do what was asked, from the next tick on.
+
+        Raises:
+            MissionRefused: the phase does not allow it.
+
+        """
+        next_phase(self.phase, command)
+        self._mission.request(command)
+        self.run.begin(self._name, self.config)
+
+    def stop(self) -> None:
+        """Stop at once, in any phase."""
+        self._mission.stop()
+        self._take_events()
+
+    def can_take(self, config: MissionConfig) -> bool:
+        """Whether this mission can go on with that configuration."""
+        return all(map(is_live, differences(self.config, config)))
+
+    def require_replaceable(self, config: MissionConfig) -> None:
+        """Refuse a change that takes a new mission while this one is under way.
+
+        Raises:
+            MissionRefused: it is; the message names the parameter.
+
+        """
+        if self.run.has_moved or self.phase is not Phase.IDLE:
+            fixed = next(path for path in differences(self.config, config) if not is_live(path))
+            raise MissionRefused(
+                f"{fixed} cannot change while a mission is under way (phase {self.phase.label})",
+                tip="reset the mission, then change it",
+            )
+
+    def configure(self, config: MissionConfig) -> None:
+        """Fly on with these parameters, from the next tick on."""
+        changes = differences(self.config, config)
+        self._mission.configure(config)
+        self._name = display_name(self.configuration, config)
+        self._take_events()
+        message = "; ".join(f"{path}: {old} to {new}" for path, (old, new) in changes.items())
+        if message:
+            self._note(Event(time=self.time, tick=self.tick, kind="config", severity="info", message=message))
+
+    def advance(self, ticks: int) -> int:
+        """Fly up to this many ticks; how many were flown. A failure of the plant is noted, not raised."""
+        if self.phase is Phase.FAULTED:
+            return 0
+        try:
+            rows = self._mission.advance(ticks)
+        except Exception as error:
+            self.fail(error)
+            return 0
+        if len(rows):
+            self._tick, self._time = int(rows["tick"][-1]), float(rows["time"][-1])
+            self._activity = Activity(int(rows["activity"][-1]))
+            self.run.keep(rows)
+            self._keep(rows)
+        self._take_events()
+        self._note_stillness()
+        return len(rows)
+
+    def fail(self, error: Exception) -> None:
+        """The plant can no longer be trusted: the phase is `FAULTED`, and the operator sees why."""
+        log.error("the mission failed at %.3f s", self.time, exc_info=error)
+        self._failure = f"{type(error).__name__}: {error}"
+        self._take_events()
+        self._note(Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=self._failure))
+        self.run.fail(self._failure)
+
+    def snapshot(self) -> Snapshot:
+        """Of the last tick, but for the phase: a paused mission that was stopped is stopped, without a tick."""
+        snapshot = self._mission.snapshot()
+        if self._failure is not None:
+            return snapshot.model_copy(update={"phase": self.phase.label, "description": f"Failed: {self._failure}"})
+        if snapshot.phase == self.phase.label:
+            return snapshot
+        words = f"{self.phase.label.capitalize()}, from the next tick on."
+        return snapshot.model_copy(update={"phase": self.phase.label, "description": words})
+
+    def refusals(self) -> dict[str, str | None]:
+        """Every command of the mission: None if it is allowed now, else the reason why not."""
+        return {command.value: reason for command, reason in allowed_commands(self.phase).items()}
+
+    def log_request(self, request: Request, *, accepted: bool, message: str) -> None:
+        """Note who asked what, and the answer."""
+        self._log(
+            LoggedEvent(
+                time=self.time,
+                tick=self.tick,
+                kind="command",
+                severity="info" if accepted else "warning",
+                message=message,
+                at=wall_clock(),
+                who=request.who,
+                command=request.command,
+                accepted=accepted,
+            )
+        )
+
+    def close(self) -> None:
+        """End the mission and its run."""
+        self.run.close()
+
+    def _take_events(self) -> None:
+        for event in self._mission.take_events():
+            self._note(event)
+
+    def _note(self, event: Event) -> None:
+        self._log(LoggedEvent(**event.model_dump(), at=wall_clock()))
+        problem = problem_of(event)
+        if problem is not None:
+            self.problems.show(event.kind, problem)
+        if event.kind == "verdict" and self._mission.outcome is not None:
+            self.run.conclude(self._mission.outcome)
+
+    def _log(self, event: LoggedEvent) -> None:
+        self.run.log(event)
+        self._announce(event)
+
+    def _note_stillness(self) -> None:
+        if self.phase in ACTIVE_PHASES or self._activity is not Activity.NONE:
+            self.run.note_motion()
+        else:
+            status: RunStatus = "cancelled" if self.phase is Phase.STOPPED else "finished"
+            self.run.note_quiet(self.time, self.config.judging.hold_time, status)

@@ -1,0 +1,95 @@
+"""When the live mission is recorded.
+
+A run begins with its mission. Until the first command that moves the robot it holds the first tick
+only, and a mission that never moved leaves no run. From that command on every tick is recorded, until the
+verdict, or until nothing has moved for a while; the next such command goes on recording.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from server.recorder import Recorder
+from server.run_folder import LoggedEvent, RunStatus, TickArray
+from server.runs import new_record
+from sim.capture.snapshot import Outcome
+from sim.config import MissionConfig
+
+REST_AFTER = 5.0
+"""Mission time without motion, beyond the hold before a verdict, after which recording rests [s]."""
+
+
+class LiveRun:
+    """The run of one live mission. Used by the mission thread only."""
+
+    def __init__(self, recorder: Recorder, configuration: str, config: MissionConfig) -> None:
+        record = new_record("live", configuration, config)
+        self.id = record.id
+        self._recorder = recorder
+        self._recording = False
+        self._has_first_tick = False
+        self._has_moved = False
+        self._quiet_since: float | None = None
+        self._record = record
+
+    def open(self) -> None:
+        """Put the run on disk."""
+        self._recorder.open(self._record)
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether a command has moved the robot since the mission began."""
+        return self._has_moved
+
+    def begin(self, configuration: str, config: MissionConfig) -> None:
+        """Record every tick from here on: a command that moves the robot was granted."""
+        if not self._has_moved:
+            self._recorder.revise(configuration=configuration, config=config)
+        if not self._recording:
+            self._recorder.revise(status="running")
+        self._recording = self._has_moved = True
+        self._quiet_since = None
+
+    def keep(self, ticks: TickArray) -> None:
+        """Record these rows of `TICK`, if recording is on; the mission's first tick always."""
+        if self._recording:
+            self._recorder.append(ticks)
+        elif not self._has_first_tick:
+            self._recorder.append(ticks[:1])
+        self._has_first_tick = True
+
+    def log(self, event: LoggedEvent) -> None:
+        """Record an event, whether ticks are recorded or not."""
+        self._recorder.log(event)
+
+    def conclude(self, outcome: Outcome) -> None:
+        """The mission has its verdict."""
+        self._end("finished", outcome=outcome)
+
+    def fail(self, note: str) -> None:
+        """The plant failed; what was recorded stays."""
+        self._end("failed", note=note)
+
+    def note_quiet(self, time: float, hold_time: float, status: RunStatus) -> None:
+        """Nothing moves at this mission time [s]; after a while recording rests with this status."""
+        if self._quiet_since is None:
+            self._quiet_since = time
+        if self._recording and time - self._quiet_since > hold_time + REST_AFTER:
+            self._end(status)
+
+    def note_motion(self) -> None:
+        """Something moves."""
+        self._quiet_since = None
+
+    def close(self) -> None:
+        """The mission ends, whatever it was doing."""
+        if not self._has_moved:
+            self._recorder.discard(self.id)
+        elif self._recording:
+            self._recorder.close(status="cancelled")
+        else:
+            self._recorder.close()
+
+    def _end(self, status: RunStatus, **last_words: Any) -> None:
+        self._recording = False
+        self._recorder.revise(status=status, **last_words)

@@ -1,0 +1,362 @@
+"""The mission thread: the only one that touches the mission.
+
+Each turn looks at STOP first, then at the inbox, flies the ticks that are due, answers, and publishes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import ClassVar, Literal, NamedTuple
+
+from server.feed import Feed
+from server.inbox import Answer, CommandAnswer, Inbox, Request
+from server.live_mission import LiveMission, display_name
+from server.pace import FULL_SPEED, Pace
+from server.problems import Problem, ServiceBusy
+from server.published import MissionSnapshot, PlantStatus
+from server.recorder import BACKLOG_LIMIT, Recorder
+from sim.capture.mission import prepare
+from sim.config import MissionConfig
+from sim.configurations import named_configuration, revised
+from sim.control.phases import Command, Phase
+from sim.errors import CaptureError, MissionRefused
+
+PUBLISH_PERIOD = 1 / 60
+"""Wall time between two snapshots [s]."""
+
+WAKE_PERIOD = 0.002
+"""Shortest sleep [s]: at real time two ticks are flown at once, for half of the wake-ups."""
+
+LATE = 0.05
+"""Lateness that the operator is told of [s]."""
+
+LoopStatus = Literal["preparing", "ok", "faulted"]
+
+log = logging.getLogger(__name__)
+
+
+class ConfigView(NamedTuple):
+    """The configuration in force, for readers in other threads."""
+
+    configuration: str
+    """The named configuration that it began as."""
+    name: str
+    config: MissionConfig
+
+
+class _Step(NamedTuple):
+    """A single step under way."""
+
+    request: Request
+    answer: Answer
+    first_tick: int
+
+
+class MissionLoop:
+    """Flies the live mission in a thread of its own, at the pace that the operator chose."""
+
+    def __init__(self, configuration: str, config: MissionConfig, feed: Feed, recorder: Recorder) -> None:
+        self._feed = feed
+        self._recorder = recorder
+        self._inbox = Inbox()
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._live, name="becalm-mission", daemon=True)
+        self._numbers = itertools.count(1)
+        self._step: _Step | None = None
+        self._answers: list[tuple[Answer, CommandAnswer]] = []
+        self._publish_at = 0.0
+        self._mission: LiveMission | None = None
+        self._pace = Pace(config.control.period, time.monotonic())
+        self._flown_at: float | None = None
+        self.failure: str | None = None
+        self.view = ConfigView(configuration, display_name(configuration, config), config)
+
+    def start(self) -> None:
+        """Start the thread; it prepares the simulation first."""
+        self._thread.start()
+
+    def shutdown(self, timeout: float = 5.0) -> None:
+        """Close the run and end the thread."""
+        self._closing.set()
+        self._inbox.wake.set()
+        if self._mission is not None:  # compiling cannot be interrupted, and has no run to close
+            self._thread.join(timeout)
+
+    @property
+    def status(self) -> LoopStatus:
+        """Whether there is a mission to ask something of."""
+        latest = self._feed.latest
+        if self.failure or (latest and latest.snapshot.phase == Phase.FAULTED.label):
+            return "faulted"
+        return "ok" if latest else "preparing"
+
+    @property
+    def tick_age(self) -> float | None:
+        """Wall time since the last tick was flown [s]."""
+        return None if self._flown_at is None else time.monotonic() - self._flown_at
+
+    def ask(self, request: Request) -> Answer:
+        """Put a request before the mission thread.
+
+        Raises:
+            ServiceBusy: the inbox is full, or there is no mission yet.
+
+        """
+        if self._feed.latest is None or self._closing.is_set():
+            raise self.not_ready()
+        return self._inbox.put(request)
+
+    def not_ready(self) -> ServiceBusy:
+        """Why there is no mission to show or to command."""
+        if self.failure:
+            return ServiceBusy(f"the simulation could not be prepared: {self.failure}", tip="restart the service")
+        if self._closing.is_set():
+            return ServiceBusy("the service is ending", tip="start it again")
+        return ServiceBusy(
+            "the simulation is being prepared", tip="its first start compiles for about half a minute; try again"
+        )
+
+    def _live(self) -> None:
+        try:
+            prepare()
+            self._begin(self._new_mission(self.view.configuration, self.view.config))
+        except Exception as error:
+            log.exception("the simulation could not be prepared")
+            self.failure = f"{type(error).__name__}: {error}"
+            return
+        while not self._closing.is_set():
+            self._sleep()
+            self._turn_guarded()
+        self._end()
+
+    def _end(self) -> None:
+        self._finish_step("the service ended")
+        self._deliver()
+        self._inbox.refuse_all(self.not_ready())
+        self._flying.close()
+
+    @property
+    def _flying(self) -> LiveMission:
+        assert self._mission is not None, "the mission thread has begun one"
+        return self._mission
+
+    def _begin(self, following: LiveMission) -> None:
+        """Fly this mission from now on."""
+        self._mission = following
+        following.begin()
+        now = time.monotonic()
+        self._pace.period = following.config.control.period
+        self._pace.anchor(now)
+        self._feed.begin(following.run.id)
+        self._fly(1, now)
+        self._publish(now)
+
+    def _replace(self, request: Request, configuration: str, config: MissionConfig, reason: str) -> str:
+        """End the present mission and begin another, unless that one cannot be."""
+        following = self._new_mission(configuration, config)
+        message = f"{reason}: a new mission with {following.name}"
+        self._finish_step(reason)
+        self._flying.log_request(request, accepted=True, message=message)
+        self._flying.close()
+        self._begin(following)
+        return message
+
+    def _new_mission(self, configuration: str, config: MissionConfig) -> LiveMission:
+        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, self._feed.history.keep)
+
+    def _sleep(self) -> None:
+        wait = self._pace.wait(time.monotonic(), resting=self._flying.resting, longest=PUBLISH_PERIOD)
+        if self._inbox.wake.wait(max(wait, WAKE_PERIOD) if wait else 0.0):
+            self._inbox.wake.clear()
+
+    def _turn_guarded(self) -> None:
+        try:
+            self._turn()
+        except Exception as error:
+            # The thread outlives every fault: the operator must see it, and be able to reset.
+            self._flying.fail(error)
+
+    def _turn(self) -> None:
+        granted = [*self._obey_stops(), *self._obey_requests()]
+        now = time.monotonic()
+        due = self._pace.due(now, resting=self._flying.resting)
+        if granted and self._pace.running:
+            due = max(due, 1)  # what was granted begins with this tick, and the answer tells it
+        self._fly(due, now)
+        self._answers += [(answer, self._answered(request, message)) for request, answer, message in granted]
+        if self._answers or now >= self._publish_at:
+            self._publish(now)
+        self._deliver()  # after publishing: who has the answer finds it in the snapshot
+
+    def _obey_stops(self) -> list[tuple[Request, Answer, str]]:
+        stops = self._inbox.stops()
+        if stops:
+            self._flying.stop()
+            self._finish_step("stopped")
+        granted = []
+        for request, answer in stops:
+            message = f"stopped, phase {self._flying.phase.label}"
+            self._flying.log_request(request, accepted=True, message=message)
+            granted.append((request, answer, message))
+        return granted
+
+    def _obey_requests(self) -> list[tuple[Request, Answer, str]]:
+        granted = []
+        for request, answer in self._inbox.requests():
+            flying = self._flying
+            try:
+                message = self._DO[request.command](self, request)
+            except CaptureError as refusal:
+                flying.log_request(request, accepted=False, message=str(refusal))
+                answer.set_exception(refusal)
+                continue
+            if flying is self._mission:  # else it was logged in the run that it ended
+                flying.log_request(request, accepted=True, message=message)
+            if request.command == "step":
+                self._step = _Step(request, answer, flying.tick)
+            else:
+                granted.append((request, answer, message))
+        return granted
+
+    def _grant(self, request: Request) -> str:
+        self._flying.grant(Command(request.command))
+        return f"{request.command} granted" + ("" if self._pace.running else "; it begins when the clock runs")
+
+    def _pause(self, request: Request) -> str:
+        self._pace.pause()
+        self._finish_step("paused")
+        return "the clock is paused"
+
+    def _run(self, request: Request) -> str:
+        self._finish_step("the clock runs")
+        speed = self._pace.speed if request.speed is None else request.speed
+        self._pace.run(speed, time.monotonic())
+        pace = "as fast as it goes" if speed == FULL_SPEED else f"at {speed:g} x real time"
+        return f"the clock runs {pace}"
+
+    def _begin_step(self, request: Request) -> str:
+        refusal = self._clock_refusals()["step"]
+        if refusal:
+            raise MissionRefused(refusal, tip="pause the clock first")
+        self._pace.steps_left = request.ticks
+        return f"{request.ticks} ticks"
+
+    def _reset(self, request: Request) -> str:
+        configuration = request.configuration or self._flying.configuration
+        config = named_configuration(configuration) if request.configuration else self._flying.config
+        return self._replace(request, configuration, config, "reset")
+
+    def _configure(self, request: Request) -> str:
+        config = revised(self._flying.config, request.changes)
+        if self._flying.can_take(config):
+            self._flying.configure(config)
+            self._show_view()
+            return "parameters changed"
+        self._flying.require_replaceable(config)
+        return self._replace(request, self._flying.configuration, config, "parameters changed")
+
+    _DO: ClassVar[dict[str, Callable[[MissionLoop, Request], str]]] = {
+        **dict.fromkeys([each.value for each in Command if each is not Command.STOP], _grant),
+        "pause": _pause,
+        "run": _run,
+        "step": _begin_step,
+        "reset": _reset,
+        "configure": _configure,
+    }
+
+    def _fly(self, ticks: int, now: float) -> None:
+        if ticks > 0 and self._recorder.backlog < BACKLOG_LIMIT:
+            flown = self._flying.advance(ticks)
+            self._pace.flown(flown or ticks, now)
+            self._flown_at = time.monotonic()
+        if self._step and not self._pace.steps_left:
+            self._finish_step("")
+
+    def _finish_step(self, reason: str) -> None:
+        step, self._step = self._step, None
+        self._pace.steps_left = 0
+        if step is not None:
+            flown = self._flying.tick - step.first_tick
+            message = f"{flown} of {step.request.ticks} ticks" + (f": {reason}" if reason else "")
+            self._answers.append((step.answer, self._answered(step.request, message)))
+
+    def _deliver(self) -> None:
+        answers, self._answers = self._answers, []
+        for answer, what in answers:
+            if not answer.cancelled():
+                answer.set_result(what)
+
+    def _answered(self, request: Request, message: str) -> CommandAnswer:
+        flying = self._flying
+        return CommandAnswer(
+            id=f"{flying.run.id}/{next(self._numbers)}",
+            command=request.command,
+            accepted=True,
+            phase=flying.phase.label,
+            tick=flying.tick,
+            time=flying.time,
+            message=message,
+        )
+
+    def _publish(self, now: float) -> None:
+        self._publish_at = max(self._publish_at + PUBLISH_PERIOD, now)
+        self._show_view()
+        self._note_own_problems(now)
+        flying = self._flying
+        snapshot = MissionSnapshot(
+            **dict(flying.snapshot()),
+            run_id=flying.run.id,
+            configuration=flying.name,
+            plant=self._plant_status(now),
+            commands={**flying.refusals(), **self._clock_refusals()},
+            problems=flying.problems.shown(),
+        )
+        self._feed.publish(snapshot)
+
+    def _show_view(self) -> None:
+        self.view = ConfigView(self._flying.configuration, self._flying.name, self._flying.config)
+
+    def _plant_status(self, now: float) -> PlantStatus:
+        return PlantStatus(
+            running=self._pace.running,
+            speed=self._pace.speed,
+            lateness=self._pace.lateness(now),
+            real_time_factor=self._pace.real_time_factor(now),
+        )
+
+    def _clock_refusals(self) -> dict[str, str | None]:
+        paused = not self._pace.running
+        stepping = "a step is under way" if self._pace.steps_left else None
+        return {
+            "pause": "the clock is paused already" if paused and not stepping else None,
+            "run": None,
+            "step": stepping if paused else "step is refused while the clock runs; pause it first",
+            "reset": None,
+        }
+
+    def _note_own_problems(self, now: float) -> None:
+        lateness = self._pace.lateness(now)
+        self._show_problem(
+            "late",
+            f"ticks came up to {1e3 * lateness:.0f} ms late in the last second" if lateness > LATE else None,
+            "The clock runs late",
+            "choose a lower speed, or end other programs on this machine",
+        )
+        self._show_problem(
+            "recorder",
+            self._recorder.failure,
+            "The run is not being recorded",
+            "make room on the disk or choose another BECALM_DATA_DIR, then reset",
+        )
+
+    def _show_problem(self, key: str, message: str | None, title: str, tip: str) -> None:
+        if message is None:
+            self._flying.problems.clear(key)
+        else:
+            severity: Literal["warning", "error"] = "error" if key == "recorder" else "warning"
+            problem = Problem(severity=severity, title=title, message=message, tip=tip, since=self._flying.time)
+            self._flying.problems.show(key, problem)

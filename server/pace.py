@@ -1,0 +1,116 @@
+"""The mission's clock against the wall's: which ticks are due, and how late they are.
+
+Pure arithmetic on times passed in. The schedule is absolute: a late wake-up is caught up with, tick by
+tick, and never stretches the mission's time.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+FULL_SPEED = 0.0
+"""The speed that means: as fast as it goes."""
+
+FAST_BATCH = 256
+"""Ticks at once at full speed: some milliseconds, after which requests are looked at again."""
+
+CATCH_UP = 0.02
+"""Wall time that one turn may catch up with [s]."""
+
+GIVE_UP = 0.5
+"""Lateness beyond which the schedule starts anew, and the clock counts as slipped [s]."""
+
+WINDOW = 1.0
+"""Lateness and real-time factor are those of the last second."""
+
+
+class Pace:
+    """Running or paused, at a speed."""
+
+    def __init__(self, period: float, now: float) -> None:
+        self.period = period
+        self.running = True
+        self.speed = 1.0
+        self.steps_left = 0
+        self._anchor_time = now
+        self._ticks_since = 0
+        self._scheduled = True
+        self._lateness: deque[tuple[float, float]] = deque()
+        self._flown: deque[tuple[float, int]] = deque()
+        self.slips = 0
+
+    def anchor(self, now: float) -> None:
+        """Start the schedule anew: the next tick is due one period from now."""
+        self._anchor_time = now
+        self._ticks_since = 0
+
+    def pause(self) -> None:
+        """Hold the clock."""
+        self.running = False
+        self.steps_left = 0
+
+    def run(self, speed: float, now: float) -> None:
+        """Let the clock go at this multiple of the wall's; 0 as fast as it goes."""
+        self.running = True
+        self.steps_left = 0
+        self.speed = speed
+        self.anchor(now)
+
+    def due(self, now: float, *, resting: bool) -> int:
+        """Ticks to fly now. Full speed is for a mission that does something: a resting one goes at real time."""
+        if not self.running:
+            return min(self.steps_left, FAST_BATCH)
+        self._scheduled = self.speed != FULL_SPEED or resting
+        if not self._scheduled:
+            return FAST_BATCH
+        late = now - self._due_time(resting)
+        self._note_lateness(now, late)
+        if late > GIVE_UP:
+            self.slips += 1
+            self.anchor(now)
+            return 1
+        scheduled = int((now - self._anchor_time) / self._wall_period(resting)) - self._ticks_since
+        return max(0, min(scheduled, max(1, int(CATCH_UP / self._wall_period(resting)))))
+
+    def flown(self, ticks: int, now: float) -> None:
+        """Count ticks that were flown."""
+        if not self.running:
+            self.steps_left = max(0, self.steps_left - ticks)
+        self._ticks_since += ticks
+        if not self._scheduled:
+            self.anchor(now)
+        self._flown.append((now, ticks))
+
+    def wait(self, now: float, *, resting: bool, longest: float) -> float:
+        """Wall time until the next tick is due, at most `longest` [s]."""
+        if not self.running:
+            return 0.0 if self.steps_left else longest
+        if self.speed == FULL_SPEED and not resting:
+            return 0.0
+        return min(max(self._due_time(resting) - now, 0.0), longest)
+
+    def lateness(self, now: float) -> float:
+        """Worst lateness of a tick in the last second [s]."""
+        _forget(self._lateness, now)
+        return max((late for _, late in self._lateness), default=0.0)
+
+    def real_time_factor(self, now: float) -> float:
+        """Mission time flown in the last second of the wall clock, over that second."""
+        _forget(self._flown, now)
+        return sum(ticks for _, ticks in self._flown) * self.period / WINDOW
+
+    def _wall_period(self, resting: bool) -> float:
+        speed = 1.0 if resting and self.speed == FULL_SPEED else self.speed
+        return self.period / speed
+
+    def _due_time(self, resting: bool) -> float:
+        return self._anchor_time + (self._ticks_since + 1) * self._wall_period(resting)
+
+    def _note_lateness(self, now: float, late: float) -> None:
+        if late > 0.0:
+            self._lateness.append((now, late))
+
+
+def _forget(window: deque[tuple[float, float]] | deque[tuple[float, int]], now: float) -> None:
+    while window and window[0][0] < now - WINDOW:
+        window.popleft()

@@ -1,0 +1,87 @@
+"""What an operator must see, and what the service itself has to refuse.
+
+CaptureError (sim.errors)
+├── ServiceBusy     a bounded queue is full, or the plant is still being prepared (REST 503)
+├── LoopSilent      the mission thread did not answer in time (REST 504)
+└── AddressInUse    the port cannot be bound (exit 1)
+"""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from sim.capture.events import Event, Severity
+from sim.capture.snapshot import Published
+from sim.errors import CaptureError
+
+
+class ServiceBusy(CaptureError):
+    """Asked too much, or too early; the same request may succeed later."""
+
+
+class LoopSilent(CaptureError):
+    """The mission thread did not answer in time."""
+
+
+class AddressInUse(CaptureError):
+    """The address that the service should listen on cannot be had."""
+
+
+class Problem(Published):
+    """Something that the operator must see, and what to do about it."""
+
+    severity: Severity
+    title: str
+    message: str
+    tip: str
+    since: float = Field(description="Mission time when it began [s]")
+
+
+_TIPS = {
+    "solid_contact": "reset, then raise control.caging.close_margin or lower the target's spin before the next try",
+    "base_overlap": "stop, then reset; a lower control.impedance.damping keeps the target from following the hands",
+    "rate_limit": "an arm is near a singularity; watch its manipulability, or set "
+    "control.rates.singularity_handling to damped_least_squares and reset",
+    "manipulability": "an arm is near a singularity; hold, and release, or set "
+    "control.rates.singularity_handling to damped_least_squares and reset",
+    "verdict": "the log of the run tells how it came to this; reset for the next try",
+    "fault": "reset starts a new mission; the run keeps what happened until now",
+}
+
+_TITLES = {
+    "solid_contact": "Unplanned contact",
+    "base_overlap": "Target at the base",
+    "rate_limit": "Joint rates at their limit",
+    "manipulability": "Manipulability low",
+    "verdict": "Not caged",
+    "fault": "The plant failed",
+}
+
+
+def problem_of(event: Event) -> Problem | None:
+    """The event as a problem with a title and a tip; None if there is nothing to do about it."""
+    if event.severity == "info" or event.kind not in _TITLES:
+        return None
+    title, tip = _TITLES[event.kind], _TIPS[event.kind]
+    return Problem(severity=event.severity, title=title, message=event.message, tip=tip, since=event.time)
+
+
+class ProblemBoard:
+    """The problems of a mission that the operator has to see now; one of each key."""
+
+    def __init__(self) -> None:
+        self._problems: dict[str, Problem] = {}
+
+    def show(self, key: str, problem: Problem) -> None:
+        """Show a problem; one that is shown already keeps the time when it began."""
+        present = self._problems.get(key)
+        since = present.since if present else problem.since
+        self._problems[key] = problem.model_copy(update={"since": since})
+
+    def clear(self, key: str) -> None:
+        """Take a problem off the board, if it is there."""
+        self._problems.pop(key, None)
+
+    def shown(self) -> tuple[Problem, ...]:
+        """All of them, the oldest first."""
+        return tuple(self._problems.values())

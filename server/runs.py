@@ -1,0 +1,161 @@
+"""The library of runs: a folder each, newest first.
+
+Storage ends here: the rest of the service knows `RunStore`, `RunWriter`, `RunReader` and `RunRecord` only.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from server.claim import is_claimed
+from server.run_folder import (
+    CANCEL_NAME,
+    RECORD_NAME,
+    RunKind,
+    RunReader,
+    RunRecord,
+    RunWriter,
+    read_record,
+    write_record,
+)
+from sim.config import MissionConfig
+from sim.errors import MissionRefused, RunNotFound
+
+log = logging.getLogger(__name__)
+
+_ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
+
+
+def wall_clock() -> str:
+    """Now, ISO 8601 in UTC, to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def new_run_id() -> str:
+    """An identifier that sorts by time and that no two processes share."""
+    now = datetime.now(UTC)
+    return f"{now:%Y%m%dT%H%M%S}{now.microsecond // 1000:03d}-{secrets.token_hex(3)}"
+
+
+def new_record(kind: RunKind, configuration: str, config: MissionConfig, **further: Any) -> RunRecord:
+    """The record of a run that begins now."""
+    status = "running" if kind == "live" else "queued"
+    chosen = {"status": status, **further}
+    return RunRecord(
+        id=new_run_id(), kind=kind, configuration=configuration, config=config, started=wall_clock(), **chosen
+    )
+
+
+class RunStore:
+    """The runs under one folder. Safe from any thread and process."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def create(self, record: RunRecord) -> None:
+        """Make the folder of a run that waits for its writer."""
+        folder = self.root / record.id
+        folder.mkdir(parents=True)
+        write_record(folder, record)
+
+    def write(self, record: RunRecord) -> RunWriter:
+        """A writer for this run.
+
+        Raises:
+            BlockingIOError: another process is writing it.
+
+        """
+        folder = self.root / record.id
+        folder.mkdir(parents=True, exist_ok=True)
+        return RunWriter(folder, record)
+
+    def read(self, run_id: str) -> RunReader:
+        """A reader of this run.
+
+        Raises:
+            RunNotFound: there is none with that identifier.
+
+        """
+        return RunReader(self._folder(run_id), self.record(run_id))
+
+    def record(self, run_id: str) -> RunRecord:
+        """The record of this run, recovered first if the process that wrote it is gone.
+
+        Raises:
+            RunNotFound: there is none with that identifier.
+
+        """
+        folder = self._folder(run_id)
+        try:
+            record = read_record(folder)
+        except FileNotFoundError:
+            raise _not_found(run_id) from None
+        if record.status == "running" and not is_claimed(folder):
+            record = _recovered(folder, read_record(folder))
+        return record
+
+    def newest(self, *, before: str | None = None) -> Iterator[RunReader]:
+        """The runs, newest first, of those older than the run `before`."""
+        names = (path.name for path in self.root.glob("*") if _ID.fullmatch(path.name)) if self.root.exists() else ()
+        for name in sorted(names, reverse=True):
+            if before is None or name < before:
+                try:
+                    yield self.read(name)
+                except RunNotFound:
+                    continue  # deleted since, or its folder was only just made
+                except ValidationError:
+                    log.warning("run %s is of another version of Becalm and is left out", name)
+
+    def cancel(self, run_id: str) -> None:
+        """Ask the process that writes this run to end it."""
+        (self._folder(run_id) / CANCEL_NAME).touch()
+
+    def delete(self, run_id: str) -> None:
+        """Remove a run that has ended.
+
+        Raises:
+            RunNotFound: there is none with that identifier.
+            MissionRefused: it has not ended.
+
+        """
+        if not self.record(run_id).ended:
+            raise MissionRefused(f"run {run_id} has not ended", tip="cancel or reset it first")
+        self.discard(run_id)
+
+    def discard(self, run_id: str) -> None:
+        """Remove a run, whatever its state."""
+        folder = self._folder(run_id)
+        (folder / RECORD_NAME).unlink(missing_ok=True)  # first, so that what is half removed is no run any more
+        shutil.rmtree(folder, ignore_errors=True)
+
+    def _folder(self, run_id: str) -> Path:
+        folder = self.root / run_id
+        if not _ID.fullmatch(run_id) or not folder.is_dir():
+            raise _not_found(run_id)
+        return folder
+
+
+def _not_found(run_id: str) -> RunNotFound:
+    return RunNotFound(f"run {run_id!r} does not exist", tip="GET /api/v1/runs lists the runs")
+
+
+def _recovered(folder: Path, record: RunRecord) -> RunRecord:
+    """The run of a process that is gone, with what it truly has; its record is put right on disk."""
+    if record.ended:
+        return record  # it was closed between two looks
+    last = RunReader(folder, record).last_tick()
+    duration = 0.0 if last is None else float(last["time"][0])
+    note = "recovered: the process that recorded it ended without closing it; every whole tick on disk is here"
+    status = "failed" if record.outcome is None else "finished"
+    recovered = record.model_copy(update={"status": status, "duration": duration, "note": note})
+    write_record(folder, recovered)
+    return recovered

@@ -1,0 +1,112 @@
+"""Where target and hands have been, and where they are about to go: trails and plan."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import viser
+
+from server.scene.canvas import Canvas, Moving
+from server.scene.figures import Trail, dashed_line, raised
+from server.scene.glb import Part, linear
+from server.scene.machine import ghost_parts, goal_hand_parts, half_height, work_height
+from server.scene.palette import ARMS, NIGHT, TARGET, Colour, light
+from server.scene.solids import ball
+from sim.capture.snapshot import Plan, Snapshot, Vector3
+from sim.capture.tick import ARMS as ARM_NAMES
+from sim.config import MissionConfig
+
+TRAIL_POINTS, TRAIL_SPACING = 200, 0.006
+"""A trail keeps its last 1.2 m, in steps of 6 mm."""
+TRAIL_HEIGHT = 0.003
+
+
+class TrailsDrawing:
+    """Where the target's centre and the hands have been, on the table below them."""
+
+    def __init__(self, canvas: Canvas) -> None:
+        canvas.group("trails", "/trails")
+        self._tick = -1
+        self._trails = [Trail(TRAIL_POINTS, TRAIL_SPACING) for _ in range(3)]
+        self._lines = [
+            canvas.scene.add_line_segments(
+                f"/trails/{name}", np.zeros((TRAIL_POINTS, 2, 3)), fading(colour), thickness=0.0035
+            )
+            for name, colour in zip(("target", *ARM_NAMES), (TARGET, *ARMS), strict=True)
+        ]
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Lengthens the trails; a mission that began anew, or was rewound, begins them anew."""
+        if snapshot.tick < self._tick:
+            for trail in self._trails:
+                trail.clear()
+        self._tick = snapshot.tick
+        poses = (snapshot.target.pose, snapshot.left.hand_pose, snapshot.right.hand_pose)
+        for trail, line, (x, y, _) in zip(self._trails, self._lines, poses, strict=True):
+            if trail.extend(x, y):
+                line.points = trail.segments(TRAIL_HEIGHT).astype(np.float32)
+
+
+def fading(colour: Colour) -> npt.NDArray[np.uint8]:
+    """Colours of a trail's segments, shape (TRAIL_POINTS, 2, 3): out of the night, oldest first.
+
+    viser takes the colours of a line's single points as linear light, unlike all its others.
+    """
+    share = (np.arange(TRAIL_POINTS + 1) / TRAIL_POINTS)[:, None] ** 1.5
+    shades = 255 * (np.array(linear(NIGHT)) * (1 - share) + np.array(linear(colour)) * share)
+    return np.stack((shades[:-1], shades[1:]), axis=1).astype(np.uint8)
+
+
+class PlanDrawing:
+    """The path of each hand with its knots and goal, and the target as predicted at its end."""
+
+    def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
+        self._canvas, self._height = canvas, work_height(config.target.side)
+        canvas.group("plan", "/plan")
+        canvas.group("ghost", "/ghost")
+        hand, side = config.robot.arm.hand, config.target.side
+        goals = [
+            canvas.parts(f"/plan/{name}_goal", goal_hand_parts(hand, colour), shadow=False)
+            for name, colour in zip(ARM_NAMES, ARMS, strict=True)
+        ]
+        ghost = canvas.parts("/ghost/target", ghost_parts(side, TARGET), shadow=False)
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * side / 2
+        edges = [dashed_line(raised(corners, z), 0.008, 0.006) for z in (-half_height(side), half_height(side))]
+        canvas.scene.add_line_segments("/ghost/target/edges", np.concatenate(edges), TARGET, thickness=0.0018)
+        self._goals = [Moving(goal, self._height) for goal in goals]
+        self._ghost = Moving(ghost, self._height)
+        self._paths: list[list[viser.SceneNodeHandle]] = [[], []]
+        self._plan: Plan | None = None
+        self._draw(None)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draws the plan if it is another one."""
+        if snapshot.plan is self._plan or snapshot.plan == self._plan:
+            return
+        self._plan = snapshot.plan
+        self._draw(snapshot.plan)
+
+    def _draw(self, plan: Plan | None) -> None:
+        self._draw_path(0, plan.left if plan else [])
+        self._draw_path(1, plan.right if plan else [])
+        predicts = plan is not None and plan.kind != "release"
+        self._ghost.handle.visible = predicts
+        if plan is not None and predicts:
+            self._ghost.move(plan.target_at_end)
+
+    def _draw_path(self, arm: int, knots: list[Vector3]) -> None:
+        for node in self._paths[arm]:
+            node.remove()
+        self._paths[arm] = []
+        self._goals[arm].handle.visible = bool(knots)
+        if not knots:
+            return
+        self._goals[arm].move(knots[-1])
+        points = raised(np.array(knots)[:, :2], self._height)
+        name = f"/plan/{ARM_NAMES[arm]}"
+        balls: list[Part] = [(ball(0.0048).moved(*point), light(ARMS[arm])) for point in points]
+        self._paths[arm].append(self._canvas.parts(f"{name}_knots", balls, shadow=False))
+        dashes = dashed_line(points, 0.010, 0.006)
+        if len(dashes):
+            line = self._canvas.scene.add_line_segments(f"{name}_path", dashes, ARMS[arm], thickness=0.003)
+            self._paths[arm].append(line)

@@ -1,0 +1,133 @@
+"""The viser scene under `/scene`, on the service's own port: its page, and the websocket that feeds it.
+
+viser knows no login and takes any origin, so it listens on loopback only and everything comes through
+here, behind the same checks as the rest of the service (`SameOrigin`). The page at `/scene/` opens its
+websocket at `/scene`, without the slash: both are routed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Coroutine
+from typing import Any
+
+import httpx
+from fastapi import APIRouter, HTTPException, Request, Response, WebSocket, WebSocketDisconnect
+from fastapi.responses import RedirectResponse
+from starlette.requests import HTTPConnection
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, WebSocketException
+from websockets.typing import Subprotocol
+
+router = APIRouter(include_in_schema=False)
+
+ANSWER_TIMEOUT = 5.0
+"""How long viser may take to answer on loopback [s]."""
+TRY_AGAIN_LATER = 1013
+"""WebSocket close code for a scene that is not there (yet)."""
+
+GONE = (ConnectionClosed, WebSocketDisconnect, RuntimeError)
+"""How a side that went away shows itself: websockets' word for it, and Starlette's two."""
+
+PAGE_HEADERS = {
+    "Cache-Control": "no-cache",
+    # Shown inside our own console only, never inside another site's page.
+    "Content-Security-Policy": "frame-ancestors 'self'",
+}
+
+HEAD = """<script>
+if (!new URLSearchParams(location.search).has("darkMode"))
+  history.replaceState(null, "", location.pathname + (location.search ? location.search + "&" : "?") + "darkMode");
+</script>
+<style>
+html, body { background: #0e1116 }
+canvas[data-engine] { background: radial-gradient(120% 90% at 50% 40%, #151b24 0%, #0e1116 60%, #0a0c10 100%) }
+[data-floating-window], #webgl-software-rendering { display: none !important }
+div:has(canvas[data-engine]) + .mantine-Paper-root { display: none !important }
+</style>"""
+"""Dark from the first paint, the console's night behind the scene, and none of viser's own panels."""
+
+
+@router.get("/scene")
+async def scene_without_slash() -> RedirectResponse:
+    """To the page, whose own links are relative to the slash."""
+    return RedirectResponse("/scene/")
+
+
+@router.get("/scene/{path:path}")
+async def scene_page(request: Request, path: str) -> Response:
+    """The page of viser, dressed for the console, or another of its files."""
+    url = httpx.URL(scheme="http", host="127.0.0.1", port=_port(request), path=f"/{path}")
+    try:
+        async with httpx.AsyncClient(trust_env=False, timeout=ANSWER_TIMEOUT) as client:
+            answer = await client.get(url)
+    except httpx.HTTPError as error:
+        raise HTTPException(503, f"the 3D scene does not answer: {error}") from None
+    kind = answer.headers.get("content-type", "application/octet-stream")
+    body = answer.content if path else dressed(answer.content)
+    return Response(body, answer.status_code, PAGE_HEADERS, kind)
+
+
+def dressed(page: bytes) -> bytes:
+    """That page with `HEAD` at the top of its head."""
+    return page.replace(b"<head>", b"<head>" + HEAD.encode(), 1)
+
+
+@router.websocket("/scene")
+@router.websocket("/scene/")
+async def scene_socket(browser: WebSocket) -> None:
+    """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
+    offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
+    try:
+        viser = await connect(
+            f"ws://127.0.0.1:{_port(browser)}/",
+            subprotocols=offered or None,
+            compression=None,
+            max_size=None,
+            ping_interval=None,
+            open_timeout=ANSWER_TIMEOUT,
+            proxy=None,
+        )
+    except (OSError, TimeoutError, WebSocketException, HTTPException):
+        await browser.close(TRY_AGAIN_LATER, "the 3D scene does not answer")
+        return
+    async with viser:
+        await browser.accept(viser.subprotocol)
+        await _first_to_end(_to_viser(browser, viser), _to_browser(viser, browser))
+        with contextlib.suppress(*GONE):
+            await browser.close(viser.close_code or 1001, viser.close_reason or "")
+
+
+def _port(connection: HTTPConnection) -> int:
+    """The loopback port of the viser server, kept by the application once the scene has started."""
+    port: int | None = getattr(connection.app.state, "scene_port", None)
+    if port is None:
+        raise HTTPException(503, "the 3D scene has not started yet")
+    return port
+
+
+async def _to_viser(browser: WebSocket, viser: ClientConnection) -> None:
+    while (message := await browser.receive())["type"] == "websocket.receive":
+        await viser.send(message.get("bytes") or message.get("text") or b"")
+
+
+async def _to_browser(viser: ClientConnection, browser: WebSocket) -> None:
+    async for frame in viser:
+        if isinstance(frame, bytes):
+            await browser.send_bytes(frame)
+        else:
+            await browser.send_text(frame)
+
+
+async def _first_to_end(*pumps: Coroutine[Any, Any, None]) -> None:
+    """Runs the pumps until one ends, by either side's going; then ends the others."""
+    tasks = [asyncio.create_task(pump) for pump in pumps]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+    for ending in await asyncio.gather(*tasks, return_exceptions=True):
+        if isinstance(ending, Exception) and not isinstance(ending, GONE):
+            raise ending

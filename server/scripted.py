@@ -1,0 +1,189 @@
+"""Scripted runs: headless captures, faster than real time, one after another in a process of their own.
+
+A run waits as a folder in the store, so that what was queued when the service ended is flown at its next start.
+"""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+import traceback
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from pathlib import Path
+
+from server.problems import ServiceBusy
+from server.run_folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray
+from server.runs import RunStore, new_record, wall_clock
+from sim.capture.run import run_capture
+from sim.config import MissionConfig
+from sim.errors import CaptureError
+
+CAPACITY = 64
+"""Runs that may wait."""
+
+NICENESS = 10
+"""The live mission's clock comes first."""
+
+log = logging.getLogger(__name__)
+
+
+class _Cancelled(Exception):
+    """Somebody asked for the run to end."""
+
+
+def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None] | None = None) -> RunRecord:
+    """Fly a queued run from its start to its verdict, recording every tick.
+
+    Args:
+        store: where the run stands.
+        record: of the run.
+        on_progress: told the mission time reached [s].
+
+    Returns:
+        The run's record: finished, failed with a note, or cancelled.
+
+    """
+    writer = store.write(record.model_copy(update={"status": "running", "started": wall_clock()}))
+
+    def keep(ticks: TickArray) -> None:
+        writer.append(ticks)
+        writer.flush()
+        if writer.is_cancelled:
+            raise _Cancelled
+        if on_progress is not None:
+            on_progress(float(ticks["time"][-1]))
+
+    try:
+        _fly_to_verdict(writer, keep)
+    except _Cancelled:
+        writer.close(status="cancelled")
+    except CaptureError as error:
+        writer.close(status="failed", note=f"{type(error).__name__}: {error}")
+    except BaseException:
+        writer.close(status="failed", note=traceback.format_exc(limit=-1))
+        raise
+    return writer.record
+
+
+def _fly_to_verdict(writer: RunWriter, keep: Callable[[TickArray], None]) -> None:
+    if writer.is_cancelled:
+        raise _Cancelled
+    result = run_capture(writer.record.config, direct=writer.record.direct, on_ticks=keep)
+    for event in result.events:
+        writer.log(LoggedEvent(**event.model_dump(), at=wall_clock()))
+    writer.close(status="finished", outcome=result.outcome, real_time_factor=result.real_time_factor)
+
+
+def _fly_in_worker(root: Path, run_id: str) -> None:
+    store = RunStore(root)
+    record = store.record(run_id)
+    if record.status == "queued":
+        fly(store, record)
+
+
+def _be_nice() -> None:
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+
+
+class ScriptedRuns:
+    """The queue of scripted runs and the worker that flies them one by one."""
+
+    def __init__(self, store: RunStore) -> None:
+        self._store = store
+        self._waiting: deque[str] = deque()
+        self._flying: str | None = None
+        self._pool: ProcessPoolExecutor | None = None
+        self._worker: Future[int] | None = None
+        self._idle = threading.Event()
+        self._idle.set()
+        self._closing = False
+        self._lock = threading.Lock()
+
+    def resume(self) -> None:
+        """Queue again what waited when the service last ended."""
+        records = (reader.record for reader in self._store.newest())
+        for run_id in sorted(record.id for record in records if record.status == "queued"):
+            self._submit(run_id)
+
+    def queue(self, configuration: str, config: MissionConfig, *, direct: bool) -> RunRecord:
+        """Put a run at the end of the queue.
+
+        Raises:
+            ServiceBusy: too many wait already.
+
+        """
+        if len(self._waiting) >= CAPACITY:
+            raise ServiceBusy(f"{CAPACITY} runs wait already", tip="wait until some have finished, or cancel some")
+        record = new_record("scripted", configuration, config, direct=direct)
+        self._store.create(record)
+        self._submit(record.id)
+        return record
+
+    def cancel(self, run_id: str) -> None:
+        """End a run that waits or flies; one that flies ends within a moment."""
+        with self._lock:
+            waited = run_id in self._waiting
+            if waited:
+                self._waiting.remove(run_id)
+        if waited:
+            self._close_unflown(run_id, "cancelled", None)
+        else:
+            self._store.cancel(run_id)
+
+    def shutdown(self, patience: float = 3.0) -> None:
+        """End the worker, and with it the run that it flies. What waits is flown after the next start."""
+        with self._lock:
+            self._closing = True
+            pool, self._pool, flying, worker = self._pool, None, self._flying, self._worker
+        if pool is None:
+            return
+        if flying is not None:
+            self._store.cancel(flying)
+        if not self._idle.wait(patience) and worker is not None and worker.done():
+            os.kill(worker.result(), signal.SIGTERM)  # it still compiles; its run will be found as it was left
+        pool.shutdown(wait=True, cancel_futures=True)
+
+    def _submit(self, run_id: str) -> None:
+        with self._lock:
+            self._waiting.append(run_id)
+        self._fly_next()
+
+    def _fly_next(self) -> None:
+        with self._lock:
+            if self._closing or self._flying is not None or not self._waiting:
+                return
+            run_id = self._flying = self._waiting.popleft()
+            self._idle.clear()
+            future = self._running_pool().submit(_fly_in_worker, self._store.root, run_id)
+        future.add_done_callback(lambda done: self._flown(run_id, done))
+
+    def _running_pool(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            # Spawned, not forked: a fork would copy the service's locks and sockets.
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_be_nice)
+            self._worker = self._pool.submit(os.getpid)
+        return self._pool
+
+    def _flown(self, run_id: str, future: Future[None]) -> None:
+        error = None if future.cancelled() else future.exception()
+        with self._lock:
+            self._flying = None
+            if error is not None:
+                self._pool = None  # a worker that died takes its pool with it; the next run gets a new one
+        self._idle.set()
+        if error is not None:
+            log.error("run %s failed", run_id, exc_info=error)
+            if self._store.record(run_id).status == "queued":
+                self._close_unflown(run_id, "failed", f"the worker process failed: {error}")
+        self._fly_next()
+
+    def _close_unflown(self, run_id: str, status: RunStatus, note: str | None) -> None:
+        writer = self._store.write(self._store.record(run_id))
+        writer.close(status=status, note=note)
