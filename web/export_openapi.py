@@ -1,0 +1,39 @@
+"""Writes `web/openapi.json`, from which the console's API client is generated.
+
+    python web/export_openapi.py           writes it
+    python web/export_openapi.py --check   exits 1 if the committed one is not what the service says today
+
+The document is committed, because the console is built where the service's own dependencies are not installed.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from server.app import create_app
+from server.settings import Settings
+
+DOCUMENT = Path(__file__).with_name("openapi.json")
+
+
+def openapi_document() -> str:
+    """The service's OpenAPI document as it is committed: sorted, so that a difference is a change."""
+    return json.dumps(create_app(Settings()).openapi(), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def main(arguments: list[str]) -> int:
+    """Write or check the document; the exit code says whether it was up to date or written."""
+    current = openapi_document()
+    if "--check" not in arguments:
+        DOCUMENT.write_text(current, encoding="utf-8")
+        return 0
+    if DOCUMENT.exists() and DOCUMENT.read_text(encoding="utf-8") == current:
+        return 0
+    print("web/openapi.json is out of date; run: python web/export_openapi.py", file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

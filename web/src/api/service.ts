@@ -1,0 +1,63 @@
+/** Every request that the console makes of the service; each returns the body or throws a `Refusal`. */
+import createClient from "openapi-fetch";
+import type { paths } from "../client/schema";
+import { noAnswer, refusalOf } from "./refusal";
+import type {
+  CommandAnswer,
+  CommandRequest,
+  ConfigurationSchema,
+  Health,
+  History,
+  MissionConfiguration,
+  MissionEvent,
+  NamedConfiguration,
+} from "./types";
+
+const client = createClient<paths>({ baseUrl: "" });
+
+const ANSWER_TIME = 5000;
+
+interface Reply<Body> {
+  readonly data?: Body | undefined;
+  readonly error?: unknown;
+  readonly response: Response;
+}
+
+async function bodyOf<Body>(reply: Promise<Reply<Body>>): Promise<Body> {
+  const { data, error, response } = await reply.catch((cause: unknown) => {
+    throw noAnswer(cause);
+  });
+  if (!response.ok || data === undefined) throw refusalOf(response.status, error);
+  return data;
+}
+
+const within = (milliseconds: number) => ({ signal: AbortSignal.timeout(milliseconds) });
+
+export const readHealth = (): Promise<Health> => bodyOf(client.GET("/api/v1/health", within(2000)));
+
+export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
+  bodyOf(client.POST("/api/v1/mission/commands", { body: request, ...within(ANSWER_TIME) }));
+
+export const stopMission = (): Promise<CommandAnswer> => bodyOf(client.POST("/api/v1/mission/stop", within(1500)));
+
+export const readConfiguration = (): Promise<MissionConfiguration> =>
+  bodyOf(client.GET("/api/v1/mission/config", within(ANSWER_TIME)));
+
+export const changeConfiguration = (changes: Record<string, unknown>): Promise<MissionConfiguration> =>
+  bodyOf(client.PATCH("/api/v1/mission/config", { body: changes, ...within(ANSWER_TIME) }));
+
+export const readConfigurationSchema = (): Promise<ConfigurationSchema> =>
+  bodyOf(client.GET("/api/v1/mission/config/schema", within(ANSWER_TIME)));
+
+export const readNamedConfigurations = (): Promise<NamedConfiguration[]> =>
+  bodyOf(client.GET("/api/v1/configurations", within(ANSWER_TIME)));
+
+export const readHistory = (since: number): Promise<History> =>
+  bodyOf(client.GET("/api/v1/mission/history", { params: { query: { since } }, ...within(ANSWER_TIME) }));
+
+export const readEvents = (id: string): Promise<MissionEvent[]> =>
+  bodyOf(client.GET("/api/v1/runs/{run_id}/events", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Where a browser downloads the log of a run, also of one in progress. */
+export const logAddress = (id: string, format: "csv" | "parquet"): string =>
+  `/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`;

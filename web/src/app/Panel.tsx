@@ -1,0 +1,31 @@
+/** A titled region of the page. */
+import { useId, type ReactNode } from "react";
+import styles from "./Panel.module.css";
+
+interface PanelProps {
+  readonly title: string;
+  /** Stands at the title's right. */
+  readonly aside?: ReactNode;
+  /** Takes the room that is left, and scrolls within. */
+  readonly grow?: boolean;
+  /** Shows data of the mission, which turn grey when they are old. */
+  readonly dated?: boolean;
+  readonly children: ReactNode;
+}
+
+export function Panel({ title, aside, grow = false, dated = false, children }: PanelProps) {
+  const id = useId();
+  return (
+    <section className={styles.panel} aria-labelledby={id} data-grow={grow || undefined}>
+      <header className={styles.head}>
+        <h2 id={id} className={styles.title}>
+          {title}
+        </h2>
+        {aside}
+      </header>
+      <div className={styles.body} data-dated={dated || undefined}>
+        {children}
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,66 @@
+/** One unmistakable line when what is on the screen is not what is happening. */
+import { useEffect, useState } from "react";
+import { useView } from "../store/context";
+import { Icon } from "../theme/Icon";
+import { fixed } from "../units/units";
+import styles from "./TrustNotice.module.css";
+
+/** What the notice says while the connection is as it is. */
+function retryWords(lost: boolean, retryIn: number): string {
+  if (!lost) return "The connection is open but silent.";
+  return retryIn > 1000 ? `Connecting again in ${retryIn / 1000} s.` : "Connecting again now.";
+}
+
+function StaleNotice() {
+  const age = useView((view) => view.age);
+  const lost = useView((view) => view.link.state !== "open");
+  const retryIn = useView((view) => view.retryIn);
+  return (
+    <div className={styles.notice} data-tone="error" role="alert">
+      <Icon sign="error" size={18} />
+      <strong>These data are {fixed(age / 1000, 1)} s old.</strong>
+      <span>
+        {retryWords(lost, retryIn)} Commands wait for fresh data; STOP is still sent.
+      </span>
+    </div>
+  );
+}
+
+function PreparingNotice({ since }: { readonly since: number }) {
+  const [seconds, setSeconds] = useState(0);
+  useEffect(() => {
+    const timer = setInterval(() => {
+      setSeconds(Math.round((performance.now() - since) / 1000));
+    }, 250);
+    return () => {
+      clearInterval(timer);
+    };
+  }, [since]);
+  return (
+    <div className={styles.notice} data-tone="preparing" role="status">
+      <Icon sign="wait" size={18} />
+      <strong>The controller is being compiled for this machine.</strong>
+      <span>About half a minute, once; later starts take a second. {seconds > 0 ? `${seconds} s so far.` : ""}</span>
+      <span className={styles.progress} aria-hidden="true" />
+    </div>
+  );
+}
+
+function ConnectingNotice() {
+  const attempt = useView((view) => (view.link.state === "lost" ? view.link.attempt : 0));
+  return (
+    <div className={styles.notice} data-tone={attempt > 2 ? "error" : "preparing"} role="status">
+      <Icon sign="link" size={18} />
+      <strong>{attempt > 2 ? "The service does not answer." : "Connecting to the service."}</strong>
+      <span>{attempt > 2 ? "Is `becalm serve` running? This page goes on by itself as soon as it is." : ""}</span>
+    </div>
+  );
+}
+
+export function TrustNotice() {
+  const trust = useView((view) => view.trust);
+  const since = useView((view) => view.preparingSince);
+  if (trust === "stale") return <StaleNotice />;
+  if (trust === "preparing" && since !== null) return <PreparingNotice since={since} />;
+  return trust === "connecting" ? <ConnectingNotice /> : null;
+}

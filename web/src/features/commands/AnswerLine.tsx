@@ -1,0 +1,40 @@
+/** What the service said to the last command. */
+import { Icon, type Sign } from "../../theme/Icon";
+import { labelOf } from "./catalogue";
+import { useDeskView } from "./context";
+import type { Answer, Verdict } from "./desk";
+import styles from "./AnswerLine.module.css";
+
+const SIGNS: Readonly<Record<Verdict, Sign>> = { waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
+const WORDS: Readonly<Record<Verdict, string>> = {
+  waiting: "waiting for the loop",
+  accepted: "accepted",
+  refused: "refused",
+  unknown: "no answer",
+};
+
+function sentence(answer: Answer): string {
+  if (answer.verdict !== "unknown") return answer.words;
+  return `${answer.words} Whether it was done is not known; the phase shows it.`;
+}
+
+export function AnswerLine() {
+  const answer = useDeskView((view) => view.answer);
+  return (
+    <div className={styles.line} role="status" aria-live="polite" data-verdict={answer?.verdict}>
+      {answer === null ? (
+        <span className={styles.words}>No command yet.</span>
+      ) : (
+        <>
+          <Icon sign={SIGNS[answer.verdict]} />
+          <p className={styles.words} title={`${sentence(answer)} ${answer.tip}`}>
+            <strong>
+              {labelOf(answer.order)} {WORDS[answer.verdict]}
+            </strong>{" "}
+            {sentence(answer)}
+          </p>
+        </>
+      )}
+    </div>
+  );
+}

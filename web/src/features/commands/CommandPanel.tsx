@@ -1,0 +1,63 @@
+/** What may be done now. */
+import { NativeSelect } from "@mantine/core";
+import { useEffect, useState } from "react";
+import { Panel } from "../../app/Panel";
+import { readNamedConfigurations } from "../../api/service";
+import type { NamedConfiguration } from "../../api/types";
+import { useSnapshot, useView } from "../../store/context";
+import { AnswerLine } from "./AnswerLine";
+import { CAPTURE, RESET, SEQUENCE } from "./catalogue";
+import { CommandButton } from "./CommandButton";
+import styles from "./CommandPanel.module.css";
+import { SimulationControls } from "./SimulationControls";
+
+/** The named configurations, asked for again with each connection. */
+function useNamedConfigurations(): readonly NamedConfiguration[] {
+  const [configurations, setConfigurations] = useState<readonly NamedConfiguration[]>([]);
+  const open = useView((view) => view.link.state === "open");
+  useEffect(() => {
+    // Without an answer the choice stays as it is, and the link's own notice says why.
+    if (open) readNamedConfigurations().then(setConfigurations, () => undefined);
+  }, [open]);
+  return configurations;
+}
+
+function ResetRow() {
+  const configurations = useNamedConfigurations();
+  const current = useSnapshot((snapshot) => snapshot.configuration.replace(" (edited)", "")) ?? "";
+  const [chosen, setChosen] = useState<string | null>(null);
+  const name = chosen ?? current;
+  const description = configurations.find((configuration) => configuration.name === name)?.description ?? "";
+  return (
+    <div className={styles.reset}>
+      <NativeSelect
+        aria-label="Configuration to reset to"
+        title={description}
+        value={name}
+        data={name === "" ? [""] : configurations.map((configuration) => configuration.name)}
+        onChange={(event) => {
+          setChosen(event.currentTarget.value);
+        }}
+      />
+      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} />
+    </div>
+  );
+}
+
+export function CommandPanel() {
+  return (
+    <Panel title="Commands">
+      <div className={styles.commands}>
+        <CommandButton words={CAPTURE} variant="filled" size="md" className={styles.capture ?? ""} />
+        <div className={styles.sequence}>
+          {SEQUENCE.map((words) => (
+            <CommandButton key={words.command} words={words} />
+          ))}
+        </div>
+        <ResetRow />
+      </div>
+      <SimulationControls />
+      <AnswerLine />
+    </Panel>
+  );
+}

@@ -1,0 +1,58 @@
+/** Mission time of a simulated plant: pause, run, step, speed. */
+import { NativeSelect } from "@mantine/core";
+import { useState } from "react";
+import { useSnapshot, useView } from "../../store/context";
+import { fixed } from "../../units/units";
+import { PAUSE, RUN, speedsWith, STEP } from "./catalogue";
+import { CommandButton } from "./CommandButton";
+import styles from "./CommandPanel.module.css";
+import { useDesk } from "./context";
+
+const TICKS = ["1", "10", "100", "1000"];
+
+export function SimulationControls() {
+  const desk = useDesk();
+  const running = useSnapshot((snapshot) => snapshot.plant.running) ?? false;
+  const speed = useSnapshot((snapshot) => snapshot.plant.speed) ?? 1;
+  const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
+  const live = useView((view) => view.trust === "live");
+  const [chosen, setChosen] = useState<string | null>(null);
+  const [ticks, setTicks] = useState("1");
+
+  const choose = (value: string): void => {
+    // While time stands still the speed is only noted, for the next Run.
+    setChosen(running ? null : value);
+    if (running) void desk.send({ command: "run", speed: Number(value) });
+  };
+
+  return (
+    <div className={styles.simulation}>
+      <h3>
+        Simulation <span>{live && (running ? `runs at ${fixed(factor, 2)} ×` : "paused")}</span>
+      </h3>
+      {running ? (
+        <CommandButton words={PAUSE} sign="pause" />
+      ) : (
+        <CommandButton words={RUN} sign="play" request={{ speed: Number(chosen ?? speed) }} />
+      )}
+      <NativeSelect
+        aria-label="Speed of the simulation"
+        disabled={!live}
+        value={chosen ?? String(speed)}
+        data={speedsWith(speed)}
+        onChange={(event) => {
+          choose(event.currentTarget.value);
+        }}
+      />
+      <CommandButton words={STEP} sign="step" request={{ ticks: Number(ticks) }} />
+      <NativeSelect
+        aria-label="Ticks in one step"
+        value={ticks}
+        data={TICKS.map((value) => ({ value, label: value === "1" ? "1 tick" : `${value} ticks` }))}
+        onChange={(event) => {
+          setTicks(event.currentTarget.value);
+        }}
+      />
+    </div>
+  );
+}

@@ -1,0 +1,56 @@
+/** The commands on the page: their words, and what each will do. */
+import type { Command } from "../../api/types";
+
+export interface CommandWords {
+  readonly command: Command;
+  readonly label: string;
+  readonly does: string;
+}
+
+export const CAPTURE: CommandWords = {
+  command: "capture",
+  label: "Capture",
+  does: "The whole sequence: detumble by soft touches, cage with both hands, lock the arms.",
+};
+
+export const SEQUENCE: readonly CommandWords[] = [
+  { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds." },
+  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin." },
+  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison." },
+  { command: "hold", label: "Hold", does: "Holds all joints where they are." },
+  { command: "release", label: "Release", does: "Both hands open and draw back." },
+];
+
+export const RESET: CommandWords = {
+  command: "reset",
+  label: "Reset",
+  does: "Ends this run and begins a new one from the start of the chosen configuration.",
+};
+
+export const PAUSE: CommandWords = { command: "pause", label: "Pause", does: "Mission time stands still." };
+export const RUN: CommandWords = { command: "run", label: "Run", does: "Mission time goes on at the chosen speed." };
+export const STEP: CommandWords = { command: "step", label: "Step", does: "Advances by this many control ticks, then waits." };
+
+const LABELS = new Map(
+  [CAPTURE, ...SEQUENCE, RESET, PAUSE, RUN, STEP].map(({ command, label }): [string, string] => [command, label]),
+);
+
+export const labelOf = (order: string): string => LABELS.get(order) ?? "STOP";
+
+export interface Speed {
+  readonly value: string;
+  readonly label: string;
+}
+
+/** 0 is as fast as the machine goes. */
+const SPEEDS: readonly Speed[] = [
+  ...["0.1", "0.25", "0.5", "1", "2", "5", "10", "25"].map((value) => ({ value, label: `${value} ×` })),
+  { value: "0", label: "Fastest" },
+];
+
+/** The speeds to choose from; one that a script has set is among them. */
+export function speedsWith(speed: number): Speed[] {
+  const value = String(speed);
+  const known = SPEEDS.some((choice) => choice.value === value);
+  return known ? [...SPEEDS] : [{ value, label: `${value} ×` }, ...SPEEDS];
+}

@@ -1,0 +1,58 @@
+import { describe, expect, it, vi } from "vitest";
+import { noAnswer, refusalOf } from "../../api/refusal";
+import type { CommandAnswer } from "../../api/types";
+import { CommandDesk } from "./desk";
+
+const answer: CommandAnswer = { id: "c", command: "capture", accepted: true, phase: "detumbling", tick: 1, time: 0, message: "begins" };
+const never = () => Promise.reject(new Error("not expected"));
+
+describe("a command on its way", () => {
+  it("waits, then shows what the service said", async () => {
+    const desk = new CommandDesk({ send: () => Promise.resolve(answer), stop: never });
+    const sent = desk.send({ command: "capture" });
+    expect(desk.read().waiting.has("capture")).toBe(true);
+    expect(desk.read().answer?.verdict).toBe("waiting");
+    await sent;
+    expect(desk.read().waiting.size).toBe(0);
+    expect(desk.read().answer).toMatchObject({ verdict: "accepted", words: "begins" });
+  });
+
+  it("shows the reason of a refusal", async () => {
+    const refusal = refusalOf(409, { title: "Refused", detail: "hold it first", tip: "press Hold" });
+    const desk = new CommandDesk({ send: () => Promise.reject(refusal), stop: never });
+    await desk.send({ command: "release" });
+    expect(desk.read().answer).toMatchObject({ verdict: "refused", words: "hold it first", tip: "press Hold" });
+  });
+
+  it("claims nothing when no answer came", async () => {
+    const send = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
+    const desk = new CommandDesk({ send, stop: never });
+    await desk.send({ command: "capture" });
+    expect(desk.read().answer?.verdict).toBe("unknown");
+    expect(send).toHaveBeenCalledTimes(1);
+  });
+
+  it("is sent once however often it is pressed", async () => {
+    const send = vi.fn(() => Promise.resolve(answer));
+    const desk = new CommandDesk({ send, stop: never });
+    await Promise.all([desk.send({ command: "capture" }), desk.send({ command: "capture" })]);
+    expect(send).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("STOP", () => {
+  it("is sent again until it is answered, but not for ever", async () => {
+    const stop = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
+    const desk = new CommandDesk({ send: never, stop });
+    await desk.stop();
+    expect(stop).toHaveBeenCalledTimes(3);
+    expect(desk.read().stop?.verdict).toBe("unknown");
+  });
+
+  it("does not wait for a command that is under way", async () => {
+    const desk = new CommandDesk({ send: () => new Promise(() => undefined), stop: () => Promise.resolve(answer) });
+    void desk.send({ command: "capture" });
+    await desk.stop();
+    expect(desk.read().stop?.verdict).toBe("accepted");
+  });
+});

@@ -1,0 +1,95 @@
+/** Commands on their way: waiting, then what the service said. Nothing is assumed, nothing is queued. */
+import { Refusal } from "../../api/refusal";
+import { sendCommand, stopMission } from "../../api/service";
+import type { Command, CommandAnswer, CommandRequest } from "../../api/types";
+
+export type Order = Command | "stop";
+
+/** `unknown`: no answer came, so whether it was done cannot be told. */
+export type Verdict = "waiting" | "accepted" | "refused" | "unknown";
+
+export interface Answer {
+  readonly order: Order;
+  readonly verdict: Verdict;
+  readonly words: string;
+  readonly tip: string;
+}
+
+export interface DeskView {
+  /** The orders whose answers are outstanding. */
+  readonly waiting: ReadonlySet<Order>;
+  /** The latest answer to a command. */
+  readonly answer: Answer | null;
+  /** The latest answer to STOP, which has a place of its own. */
+  readonly stop: Answer | null;
+}
+
+/** STOP may be sent again without harm; any other command may not. */
+const STOP_TRIES = 3;
+
+interface Service {
+  readonly send: (request: CommandRequest) => Promise<CommandAnswer>;
+  readonly stop: () => Promise<CommandAnswer>;
+}
+
+export class CommandDesk {
+  private view: DeskView = { waiting: new Set(), answer: null, stop: null };
+  private readonly listeners = new Set<() => void>();
+
+  constructor(private readonly service: Service = { send: sendCommand, stop: stopMission }) {}
+
+  readonly subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => {
+      this.listeners.delete(listener);
+    };
+  };
+
+  readonly read = (): DeskView => this.view;
+
+  /** Sends a command once; a second press while its answer is outstanding does nothing. */
+  async send(request: CommandRequest): Promise<void> {
+    const order = request.command;
+    if (this.view.waiting.has(order)) return;
+    this.change({ waiting: including(this.view.waiting, order), answer: waiting(order) });
+    const answer = await this.service.send(request).then(accepted(order), refused(order));
+    this.change({ waiting: without(this.view.waiting, order), answer });
+  }
+
+  async stop(): Promise<void> {
+    this.change({ waiting: including(this.view.waiting, "stop"), stop: waiting("stop") });
+    let answer = waiting("stop");
+    for (let attempt = 0; attempt < STOP_TRIES && answer.verdict !== "accepted"; attempt += 1) {
+      answer = await this.service.stop().then(accepted("stop"), refused("stop"));
+    }
+    this.change({ waiting: without(this.view.waiting, "stop"), stop: answer });
+  }
+
+  /** Shows why a button that cannot be pressed cannot; for fingers, which do not hover. */
+  explain(order: Order, reason: string): void {
+    this.change({ answer: { order, verdict: "refused", words: reason, tip: "" } });
+  }
+
+  private change(change: Partial<DeskView>): void {
+    this.view = { ...this.view, ...change };
+    for (const listener of this.listeners) listener();
+  }
+}
+
+const waiting = (order: Order): Answer => ({ order, verdict: "waiting", words: "", tip: "" });
+
+const accepted =
+  (order: Order) =>
+  (answer: CommandAnswer): Answer => ({ order, verdict: "accepted", words: answer.message, tip: "" });
+
+const refused =
+  (order: Order) =>
+  (cause: unknown): Answer => {
+    if (!(cause instanceof Refusal)) throw cause;
+    return { order, verdict: cause.decided ? "refused" : "unknown", words: cause.message, tip: cause.tip };
+  };
+
+const including = (orders: ReadonlySet<Order>, order: Order): ReadonlySet<Order> => new Set([...orders, order]);
+
+const without = (orders: ReadonlySet<Order>, order: Order): ReadonlySet<Order> =>
+  new Set([...orders].filter((other) => other !== order));

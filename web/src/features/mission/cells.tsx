@@ -1,0 +1,93 @@
+/** The strip's smaller readouts. */
+import { Tooltip } from "@mantine/core";
+import { useSnapshot } from "../../store/context";
+import { Icon } from "../../theme/Icon";
+import { fixed, MILLIMETRES, MILLIMETRES_PER_SECOND } from "../../units/units";
+import { Cell, Reading, Remark } from "./Cell";
+import styles from "./cells.module.css";
+
+export function DriftCell() {
+  const drift = useSnapshot((snapshot) => snapshot.drift) ?? Number.NaN;
+  return (
+    <Cell label="Target drift" width={104}>
+      <Reading value={fixed(drift * MILLIMETRES_PER_SECOND.factor, 1)} unit={MILLIMETRES_PER_SECOND.unit} />
+    </Cell>
+  );
+}
+
+interface HandProps {
+  readonly arm: "left" | "right";
+}
+
+const freeWords = (contact: boolean | null): string => (contact === null ? "—" : "free");
+
+function Hand({ arm }: HandProps) {
+  const contact = useSnapshot((snapshot) => snapshot[arm].in_contact);
+  const force = useSnapshot((snapshot) => Math.hypot(snapshot[arm].hand_wrench[0], snapshot[arm].hand_wrench[1])) ?? 0;
+  const touching = contact === true;
+  const name = arm === "left" ? "Left" : "Right";
+  return (
+    <div className={styles.hand} data-arm={arm} data-touching={touching || undefined}>
+      <span className={styles.sign}>{name.charAt(0)}</span>
+      <span className="visually-hidden">{`${name} hand ${touching ? "touches" : "is free"}`}</span>
+      <span className={styles.force}>{touching ? fixed(force, 2) : freeWords(contact)}</span>
+      {touching && <span className={styles.unit}>N</span>}
+    </div>
+  );
+}
+
+export function ContactCell() {
+  const peak = useSnapshot((snapshot) => snapshot.peak_tip_force) ?? Number.NaN;
+  return (
+    <Cell label="Contact" width={172}>
+      <div className={styles.hands}>
+        <Hand arm="left" />
+        <Hand arm="right" />
+      </div>
+      <Remark>peak so far {fixed(peak, 3)} N</Remark>
+    </Cell>
+  );
+}
+
+function cageWords(closed: boolean | null, margin: number | null): string {
+  if (margin !== null) return "Caged";
+  if (closed === null) return "—";
+  return closed ? "Closed" : "Open";
+}
+
+export function CageCell() {
+  const closed = useSnapshot((snapshot) => snapshot.cage_closed);
+  const margin = useSnapshot((snapshot) => snapshot.cage_margin);
+  return (
+    <Cell label="Cage" width={112}>
+      <div className={styles.word}>
+        {margin !== null && <Icon sign="lock" size={16} />}
+        {cageWords(closed, margin)}
+      </div>
+      <Remark>{margin === null ? "margin —" : `margin ${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
+    </Cell>
+  );
+}
+
+const goWords = (go: boolean): string => (go ? "Go" : "No go");
+
+export function NextCell() {
+  const readiness = useSnapshot((snapshot) => snapshot.readiness);
+  const reasons = readiness?.reasons ?? [];
+  const go = readiness?.go ?? false;
+  return (
+    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={224}>
+      <div className={styles.go} data-go={go || undefined}>
+        {readiness && <Icon sign={go ? "check" : "bar"} size={16} />}
+        {readiness ? goWords(go) : "—"}
+      </div>
+      <Tooltip label={reasons.join("; ")} disabled={reasons.length < 2}>
+        <ul className={styles.reasons}>
+          {reasons.slice(0, 2).map((reason) => (
+            <li key={reason}>{reason}</li>
+          ))}
+        </ul>
+      </Tooltip>
+    </Cell>
+  );
+}

@@ -1,0 +1,113 @@
+/** One parameter: its value, what is staged, and everything known about it on hover or focus. */
+import { NativeSelect, TextInput, Tooltip } from "@mantine/core";
+import { useId, type KeyboardEvent } from "react";
+import type { Parameter } from "../../api/types";
+import { Icon } from "../../theme/Icon";
+import { shown, type AngleUnit } from "../../units/units";
+import { boundsText, fieldText, nudged, words, type Value } from "./draft";
+import styles from "./ParameterField.module.css";
+
+export interface FieldState {
+  readonly parameter: Parameter;
+  /** In force. */
+  readonly value: Value;
+  /** What stands in the field if it was edited. */
+  readonly staged: string | undefined;
+  readonly error: string | undefined;
+  readonly angles: AngleUnit;
+  readonly edit: (parameter: Parameter, text: string) => void;
+  /** The field has been left. */
+  readonly leave: (parameter: Parameter) => void;
+}
+
+function About({ parameter, value, angles }: FieldState) {
+  const { unit } = shown(parameter.unit, angles);
+  const standard = parameter.default;
+  return (
+    <div className={styles.about}>
+      <strong>{parameter.description}</strong>
+      <dl>
+        <dt>In force</dt>
+        <dd>{`${fieldText(parameter, value, angles)} ${unit}`}</dd>
+        <dt>Default</dt>
+        <dd>{`${fieldText(parameter, standard, angles)} ${unit}`}</dd>
+        {!parameter.choices && <dt>Bounds</dt>}
+        {!parameter.choices && <dd>{boundsText(parameter, angles)}</dd>}
+        <dt>Source</dt>
+        <dd>{parameter.source}</dd>
+        <dt>Changes</dt>
+        <dd>{parameter.live ? "while the mission flies" : "before a mission begins; reset first"}</dd>
+      </dl>
+      <code>{parameter.path}</code>
+    </div>
+  );
+}
+
+function Entry(state: FieldState & { readonly id: string; readonly note: string }) {
+  const { parameter, value, staged, error, angles, edit, leave, id, note } = state;
+  const text = staged ?? fieldText(parameter, value, angles);
+  const common = { id, value: text, error: error !== undefined, "aria-describedby": note };
+  if (parameter.choices) {
+    return (
+      <NativeSelect
+        {...common}
+        className={styles.entry}
+        data={parameter.choices.map((choice) => ({ value: choice, label: words(choice) }))}
+        onChange={(event) => {
+          edit(parameter, event.currentTarget.value);
+        }}
+      />
+    );
+  }
+  const arrows = (event: KeyboardEvent<HTMLInputElement>): void => {
+    if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
+    event.preventDefault();
+    edit(parameter, nudged(text, event.key === "ArrowUp" ? 1 : -1));
+  };
+  return (
+    <TextInput
+      {...common}
+      className={styles.entry}
+      inputMode="decimal"
+      autoComplete="off"
+      rightSection={<span className={styles.unit}>{shown(parameter.unit, angles).unit}</span>}
+      rightSectionWidth={46}
+      rightSectionPointerEvents="none"
+      onKeyDown={arrows}
+      onBlur={() => {
+        leave(parameter);
+      }}
+      onFocus={(event) => {
+        event.currentTarget.select();
+      }}
+      onChange={(event) => {
+        edit(parameter, event.currentTarget.value);
+      }}
+    />
+  );
+}
+
+export function ParameterField(state: FieldState) {
+  const { parameter, staged, error } = state;
+  const id = useId();
+  const note = `${id}-note`;
+  return (
+    <Tooltip label={<About {...state} />} position="right" openDelay={400} events={{ hover: true, focus: false, touch: false }}>
+      <div className={styles.field} data-staged={staged !== undefined || undefined}>
+        <label className={styles.label} htmlFor={id}>
+          {words(parameter.name)}
+          {!parameter.live && (
+            <span className={styles.reset} title="Takes a reset">
+              <Icon sign="lock" size={11} />
+              <span className="visually-hidden">, takes a reset</span>
+            </span>
+          )}
+        </label>
+        <Entry {...state} id={id} note={note} />
+        <p id={note} className={error === undefined ? "visually-hidden" : styles.error}>
+          {error ?? `${parameter.description}. Source: ${parameter.source}`}
+        </p>
+      </div>
+    </Tooltip>
+  );
+}

@@ -1,0 +1,68 @@
+/** What would change, beside what is in force; applied together or not at all. */
+import { Button } from "@mantine/core";
+import { usePreferences } from "../../app/preferences";
+import type { Refusal } from "../../api/refusal";
+import { useView } from "../../store/context";
+import { Icon } from "../../theme/Icon";
+import { shown } from "../../units/units";
+import { fieldText, words, type Change } from "./draft";
+import styles from "./StagedChanges.module.css";
+
+interface StagedChangesProps {
+  readonly changes: readonly Change[];
+  /** How many fields hold what cannot be sent. */
+  readonly unsound: number;
+  readonly touched: boolean;
+  readonly refusal: Refusal | null;
+  readonly applying: boolean;
+  readonly apply: () => void;
+  readonly discard: () => void;
+}
+
+function Difference({ change: { parameter, from, to } }: { readonly change: Change }) {
+  const { angles } = usePreferences();
+  return (
+    <li>
+      <span className={styles.name}>{words(parameter.name)}</span>
+      <span className={styles.from}>{fieldText(parameter, from, angles)}</span>
+      <Icon sign="follow" size={11} />
+      <span className="visually-hidden">becomes</span>
+      <strong>{fieldText(parameter, to, angles)}</strong>
+      <span className={styles.unit}>{shown(parameter.unit, angles).unit}</span>
+    </li>
+  );
+}
+
+export function StagedChanges({ changes, unsound, touched, refusal, applying, apply, discard }: StagedChangesProps) {
+  const live = useView((view) => view.trust === "live");
+  if (!touched) return null;
+  return (
+    <section className={styles.staged} aria-label="Staged changes">
+      <h3 className={styles.count}>
+        {`${changes.length} ${changes.length === 1 ? "change" : "changes"} staged`}
+        {unsound > 0 && <span>{`${unsound} to correct first`}</span>}
+      </h3>
+      <ul className={styles.list}>
+        {changes.map((change) => (
+          <Difference key={change.parameter.path} change={change} />
+        ))}
+      </ul>
+      {refusal !== null && (
+        <p className={styles.refusal} role="alert">
+          <Icon sign="warning" /> <span>{`${refusal.message} ${refusal.tip && `(${refusal.tip})`}`}</span>
+        </p>
+      )}
+      <div className={styles.buttons}>
+        <Button onClick={discard}>Discard</Button>
+        <Button
+          variant="filled"
+          disabled={unsound > 0 || changes.length === 0 || !live}
+          loading={applying}
+          onClick={apply}
+        >
+          Apply
+        </Button>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,68 @@
+import { describe, expect, it } from "vitest";
+import type { Parameter } from "../../api/types";
+import { boundsText, changesOf, fieldText, found,  meaning, nudged, patchOf, settled, unsoundFields, valueAt } from "./draft";
+
+function parameter(path: string, more: Partial<Parameter> = {}): Parameter {
+  const name = path.split(".").at(-1) ?? "";
+  const group = path.slice(0, -name.length - 1);
+  return { path, group, name, description: "", unit: "1", default: 0, source: "", live: true, type: "number", ...more };
+}
+
+const damping = parameter("control.impedance.damping", { unit: "N s/m", minimum: 0, maximum: 1e4 });
+const mass = parameter("control.impedance.mass", { unit: "kg", exclusive_minimum: 0, maximum: 100 });
+const tilt = parameter("control.touch.hand_tilt", { unit: "rad", minimum: 0, maximum: 0.7 });
+const config = { control: { impedance: { damping: 1.5, mass: 0.1 }, touch: { hand_tilt: 0.08726646259971647 } } };
+
+describe("staged edits", () => {
+  it("hold only what differs, and nest what is sent", () => {
+    const draft = { [damping.path]: { text: "3", angles: "rad" }, [mass.path]: { text: "0.10", angles: "rad" } } as const;
+    const changes = changesOf(draft, [damping, mass], config);
+    expect(changes.map((change) => [change.parameter.path, change.from, change.to])).toEqual([[damping.path, 1.5, 3]]);
+    expect(patchOf(changes)).toEqual({ control: { impedance: { damping: 3 } } });
+  });
+
+  it("are gone when a field is left that says what is in force anyway", () => {
+    const same = { [damping.path]: { text: "1.50", angles: "rad" } } as const;
+    expect(settled(same, damping, config)).toEqual({});
+    const other = { [damping.path]: { text: "1.6", angles: "rad" } } as const;
+    expect(settled(other, damping, config)).toBe(other);
+  });
+
+  it("leave an angle alone that was only looked at in degrees", () => {
+    const text = fieldText(tilt, valueAt(config, tilt.path) ?? 0, "deg");
+    expect(text).toBe("5");
+    expect(changesOf({ [tilt.path]: { text, angles: "deg" } }, [tilt], config)).toEqual([]);
+    const [change] = changesOf({ [tilt.path]: { text: "10", angles: "deg" } }, [tilt], config);
+    expect(change?.to).toBeCloseTo(0.1745, 4);
+  });
+
+  it("say what is wrong, with the bound in the unit on the screen", () => {
+    expect(meaning(mass, "0", "rad")).toEqual({ error: "must be greater than 0 kg" });
+    expect(meaning(damping, "-1", "rad")).toEqual({ error: "must be at least 0 N·s/m" });
+    expect(meaning(tilt, "60", "deg")).toEqual({ error: "must be at most 40.10705 °" });
+    expect(meaning(mass, "abc", "rad")).toEqual({ error: "not a number" });
+    expect(meaning(parameter("simulation.seed", { type: "integer" }), "1.5", "rad")).toEqual({ error: "takes whole numbers" });
+    expect(unsoundFields({ [mass.path]: { text: "x", angles: "rad" } }, [mass])).toEqual([mass]);
+  });
+});
+
+describe("fields", () => {
+  it("tell their bounds", () => {
+    expect(boundsText(mass, "rad")).toBe("above 0, up to 100 kg");
+    expect(boundsText(parameter("a.b"), "rad")).toBe("none");
+  });
+
+  it("step by their second digit", () => {
+    expect(nudged("0.10", 1)).toBe("0.11");
+    expect(nudged("1.5", -1)).toBe("1.4");
+    expect(nudged("10", 1)).toBe("11");
+    expect(nudged("0", 1)).toBe("0.1");
+    expect(nudged("abc", 1)).toBe("abc");
+  });
+
+  it("are found by any of their words", () => {
+    expect(found([damping, mass, tilt], "impedance mass")).toEqual([mass]);
+    expect(found([damping, mass, tilt], "hand tilt")).toEqual([tilt]);
+    expect(found([damping, mass], "")).toHaveLength(2);
+  });
+});

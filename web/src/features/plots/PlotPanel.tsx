@@ -1,0 +1,124 @@
+/** The mission over time: every plot on one clock and one cursor. */
+import { Button, SegmentedControl } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
+import { useMemo, useRef, useState } from "react";
+import { Panel } from "../../app/Panel";
+import { useKept } from "../../app/preferences";
+import { useStore } from "../../store/context";
+import { Icon } from "../../theme/Icon";
+import type { ChartEvents } from "./chart";
+import { Plot } from "./Plot";
+import styles from "./PlotPanel.module.css";
+import { PLOTS } from "./plot-set";
+import { chosen, FOLLOW, rangeOf, zoomedAbout, type TimeView, type Window } from "./timeview";
+import { useDrawing } from "./use-drawing";
+
+/** Room for all plots at once. */
+const WIDE = "(min-width: 1700px)";
+const PAIRS = { contact: PLOTS.slice(0, 2), robot: PLOTS.slice(2, 4) } as const;
+
+interface ToolsProps {
+  readonly view: TimeView;
+  readonly change: (view: TimeView) => void;
+  readonly now: () => number;
+}
+
+function Tools({ view, change, now }: ToolsProps) {
+  const still = view.pausedAt !== null;
+  return (
+    <div className={styles.tools}>
+      {view.zoomed && (
+        <Button
+          size="compact-xs"
+          leftSection={<Icon sign="follow" size={12} />}
+          onClick={() => {
+            change({ ...view, zoomed: null });
+          }}
+        >
+          Follow
+        </Button>
+      )}
+      <Button
+        size="compact-xs"
+        aria-pressed={still}
+        leftSection={<Icon sign={still ? "play" : "pause"} size={12} />}
+        onClick={() => {
+          change({ ...view, pausedAt: still ? null : now() });
+        }}
+      >
+        {still ? "Resume plots" : "Pause plots"}
+      </Button>
+      <SegmentedControl
+        aria-label="Stretch of time"
+        value={String(view.window)}
+        data={[
+          { value: "10", label: "10 s" },
+          { value: "30", label: "30 s" },
+          { value: "0", label: "All" },
+        ]}
+        onChange={(value) => {
+          change({ ...view, zoomed: null, window: Number(value) as Window });
+        }}
+      />
+    </div>
+  );
+}
+
+export function PlotPanel() {
+  const { series } = useStore();
+  const [view, setView] = useState(FOLLOW);
+  const [pair, setPair] = useKept<keyof typeof PAIRS>("becalm-plots", "contact", ["contact", "robot"]);
+  const wide = useMediaQuery(WIDE, window.matchMedia(WIDE).matches);
+  const plots = wide ? PLOTS : PAIRS[pair];
+  const lowest = plots.length - (wide ? 2 : 1);
+  const time = useRef<HTMLSpanElement>(null);
+  const now = (): number => Math.max(0, series.at("time", series.length - 1) || 0);
+  const { register, touch } = useDrawing(view, time);
+
+  const events = useMemo<ChartEvents>(() => {
+    const latest = (): number => series.at("time", series.length - 1) || 0;
+    return {
+      select: (one, other) => {
+        setView((old) => ({ ...old, zoomed: chosen(one, other) }));
+      },
+      follow: () => {
+        setView((old) => ({ ...old, zoomed: null }));
+      },
+      wheel: (moment, factor) => {
+        setView((old) => ({ ...old, zoomed: zoomedAbout(rangeOf(old, latest(), series.firstMotion), moment, factor) }));
+      },
+      cursor: touch,
+    };
+  }, [series, touch]);
+
+  const aside = (
+    <>
+      <span ref={time} className={styles.time} />
+      {!wide && (
+        <SegmentedControl
+          aria-label="Plots shown"
+          value={pair}
+          data={[
+            { value: "contact", label: "Forces, spin" },
+            { value: "robot", label: "Attitude, manipulability" },
+          ]}
+          onChange={(value) => {
+            setPair(value);
+          }}
+        />
+      )}
+      <Tools view={view} change={setView} now={now} />
+    </>
+  );
+  return (
+    <div className={styles.place}>
+      <Panel title="Plots" grow dated aside={aside}>
+        <div className={styles.plots}>
+          {plots.map((definition, place) => (
+            <Plot key={definition.id} definition={definition} timed={place >= lowest} events={events} register={register} />
+          ))}
+        </div>
+      </Panel>
+    </div>
+  );
+}

@@ -1,0 +1,174 @@
+/** One uPlot chart over the mission's series; knows nothing of React. */
+import uPlot from "uplot";
+import type { Series } from "../../store/series";
+import type { CanvasColours } from "../../theme/canvas";
+import { fixed, type Shown } from "../../units/units";
+import { drawLevels, drawPhases, drawTouches, type Decorations } from "./decorations";
+import type { PlotDefinition } from "./plot-set";
+import type { Range } from "./timeview";
+
+const CURSORS = uPlot.sync("becalm-time");
+const AXIS_WIDTH = 52;
+const AXIS_HEIGHT = 22;
+const WHEEL_STEP = 1.25;
+const MOST_DECIMALS = 6;
+
+export interface ChartEvents {
+  /** A stretch was drawn with the mouse, between two times. */
+  readonly select: (one: number, other: number) => void;
+  /** Double click: back to following. */
+  readonly follow: () => void;
+  /** The wheel was turned at a moment; a factor above 1 shows more. */
+  readonly wheel: (moment: number, factor: number) => void;
+  /** The cursor has moved. */
+  readonly cursor: () => void;
+}
+
+export class Chart {
+  private readonly plot: uPlot;
+  private from = 0;
+  private decorations: Decorations | null = null;
+
+  constructor(
+    private readonly definition: PlotDefinition,
+    private readonly shown: Shown,
+    colours: CanvasColours,
+    place: HTMLElement,
+    events: ChartEvents,
+    private readonly timed: boolean,
+  ) {
+    this.plot = new uPlot(this.options(colours, place, events), [[], ...definition.curves.map(() => [])], place);
+    this.plot.over.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        const moment = this.plot.posToVal(event.offsetX, "x");
+        events.wheel(moment, event.deltaY > 0 ? WHEEL_STEP : 1 / WHEEL_STEP);
+      },
+      { passive: false },
+    );
+  }
+
+  resize(place: HTMLElement): void {
+    this.plot.setSize({ width: place.clientWidth, height: place.clientHeight });
+  }
+
+  draw(series: Series, range: Range, decorations: Decorations): void {
+    const from = Math.max(0, series.rowAt(range.from) - 1);
+    const to = Math.min(series.length, series.rowAt(range.to) + 1);
+    this.from = from;
+    this.decorations = decorations;
+    const times = series.slice("time", from, to);
+    const curves = this.definition.curves.map(({ quantity }) => this.scaledCurve(series.slice(quantity, from, to)));
+    this.plot.batch(() => {
+      this.plot.setData([times, ...curves] as uPlot.AlignedData, false);
+      this.plot.setScale("x", { min: range.from, max: range.to });
+    });
+  }
+
+  /** The row of the series under the cursor, which stays where it is while the data pass beneath it. */
+  get cursorRow(): number | null {
+    const left = this.plot.cursor.left ?? -1;
+    return left < 0 ? null : this.from + this.plot.posToIdx(left);
+  }
+
+  destroy(): void {
+    this.plot.destroy();
+  }
+
+  private scaledCurve(values: Float64Array): Float64Array {
+    const { factor } = this.shown;
+    return factor === 1 ? values : values.map((value) => value * factor);
+  }
+
+  private options(colours: CanvasColours, place: HTMLElement, events: ChartEvents): uPlot.Options {
+    return {
+      width: place.clientWidth,
+      height: place.clientHeight,
+      padding: [6, 12, 0, 0],
+      legend: { show: false },
+      cursor: {
+        sync: { key: CURSORS.key, setSeries: false, scales: ["x", null] },
+        drag: { x: true, y: false, setScale: false },
+        y: false,
+        points: { size: 5 },
+      },
+      scales: { x: { time: false }, y: { range: (_, low, high) => this.yRange(low, high) } },
+      axes: [this.timeAxis(colours), { ...axis(colours), size: AXIS_WIDTH }],
+      series: [{}, ...this.definition.curves.map((curve) => curveOptions(curve.token, curve.dash, colours))],
+      hooks: {
+        drawClear: [
+          (plot) => {
+            if (this.decorations) drawPhases(plot, this.decorations);
+          },
+        ],
+        draw: [
+          (plot) => {
+            if (this.decorations === null) return;
+            drawLevels(plot, this.decorations);
+            drawTouches(plot, this.decorations);
+          },
+        ],
+        setCursor: [
+          () => {
+            events.cursor();
+          },
+        ],
+        setSelect: [
+          (plot) => {
+            this.selected(plot, events);
+          },
+        ],
+        ready: [
+          (plot) => {
+            plot.over.addEventListener("dblclick", events.follow);
+          },
+        ],
+      },
+    };
+  }
+
+  private selected(plot: uPlot, events: ChartEvents): void {
+    const { left, width } = plot.select;
+    if (width < 4) return;
+    events.select(plot.posToVal(left, "x"), plot.posToVal(left + width, "x"));
+    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+  }
+
+  /** As wide as the data, at least as wide as the definition says, with some air. */
+  private yRange(low: number | null, high: number | null): [number, number] {
+    const [least, most] = this.definition.least.map((value) => value * this.shown.factor) as [number, number];
+    const bottom = Math.min(low ?? least, least);
+    const top = Math.max(high ?? most, most);
+    const span = top - bottom;
+    // The names of the phases stand in the air above the curves.
+    return [bottom === 0 ? 0 : bottom - 0.08 * span, top + 0.22 * span];
+  }
+
+  /** Of plots that stand above one another only the lowest names the times. */
+  private timeAxis(colours: CanvasColours): uPlot.Axis {
+    return this.timed ? { ...axis(colours), size: AXIS_HEIGHT } : { ...axis(colours), size: 8, values: () => [] };
+  }
+}
+
+const axis = (colours: CanvasColours): uPlot.Axis => ({
+  gap: 4,
+  stroke: colours.faint,
+  font: "11px Inter, sans-serif",
+  grid: { stroke: colours.grid, width: 1 },
+  ticks: { show: false },
+  values: (_, splits) => splits.map((value) => fixed(value, decimalsOf(splits))),
+});
+
+/** As many decimals as tell neighbouring ticks apart. */
+function decimalsOf(splits: readonly number[]): number {
+  const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0));
+  let decimals = 0;
+  while (decimals < MOST_DECIMALS && Math.abs(step - Number(step.toFixed(decimals))) > 1e-9) decimals += 1;
+  return decimals;
+}
+
+function curveOptions(token: string, dash: readonly number[] | undefined, colours: CanvasColours): uPlot.Series {
+  const stroke = colours.of(token);
+  return { stroke, width: 1.6, ...(dash && { dash: [...dash] }), points: { show: false } };
+}

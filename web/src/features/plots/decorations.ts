@@ -1,0 +1,105 @@
+/** What a plot draws besides its curves: phases behind, touches and levels in front. */
+import type uPlot from "uplot";
+import type { Touch } from "../../api/types";
+import type { Phase } from "../../store/phases";
+import type { PhaseSpan } from "../../store/series";
+import type { CanvasColours } from "../../theme/canvas";
+import { PHASE_WORDS } from "../../store/phases";
+import type { Level } from "./plot-set";
+
+const SHADES: Readonly<Partial<Record<Phase, string>>> = {
+  detumbling: "shade-detumbling",
+  caging: "shade-caging",
+  holding: "shade-holding",
+  stopped: "shade-off",
+  faulted: "shade-off",
+};
+
+export interface Decorations {
+  readonly phases: readonly PhaseSpan[];
+  readonly touches: readonly Touch[];
+  /** In the unit of the plot's axis. */
+  readonly levels: readonly Level[];
+  readonly colours: CanvasColours;
+}
+
+const FONT = "11px Inter, sans-serif";
+
+function scaled(plot: uPlot, font: string): string {
+  return font.replace("11px", `${11 * pixelRatio(plot)}px`);
+}
+
+const pixelRatio = (plot: uPlot): number => plot.bbox.width / Math.max(1, plot.over.clientWidth);
+
+/** Behind the curves: each phase in its own shade, with its name where there is room. */
+export function drawPhases(plot: uPlot, { phases, colours }: Decorations): void {
+  const { ctx, bbox } = plot;
+  const ratio = pixelRatio(plot);
+  ctx.save();
+  ctx.font = scaled(plot, FONT);
+  ctx.textAlign = "left";
+  ctx.textBaseline = "top";
+  for (const { phase, start, end } of phases) {
+    const left = Math.max(bbox.left, plot.valToPos(start, "x", true));
+    const right = Math.min(bbox.left + bbox.width, plot.valToPos(end, "x", true));
+    if (right <= left) continue;
+    const shade = SHADES[phase];
+    ctx.fillStyle = shade === undefined ? "transparent" : colours.of(shade);
+    ctx.fillRect(left, bbox.top, right - left, bbox.height);
+    ctx.fillStyle = colours.line;
+    ctx.fillRect(left, bbox.top, ratio, bbox.height);
+    const words = PHASE_WORDS[phase];
+    ctx.fillStyle = colours.faint;
+    if (ctx.measureText(words).width + 10 * ratio < right - left) ctx.fillText(words, left + 5 * ratio, bbox.top + 4 * ratio);
+  }
+  ctx.restore();
+}
+
+/** In front: levels as dashed lines with their names. */
+export function drawLevels(plot: uPlot, { levels, colours }: Decorations): void {
+  const { ctx, bbox } = plot;
+  const ratio = pixelRatio(plot);
+  ctx.save();
+  ctx.font = scaled(plot, FONT);
+  ctx.textAlign = "right";
+  ctx.textBaseline = "bottom";
+  ctx.lineWidth = ratio;
+  ctx.setLineDash([2 * ratio, 4 * ratio]);
+  for (const { label, value } of levels) {
+    const y = Math.round(plot.valToPos(value, "y", true));
+    if (y < bbox.top || y > bbox.top + bbox.height) continue;
+    ctx.strokeStyle = colours.text;
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.fillStyle = colours.text;
+    ctx.fillText(label, bbox.left + bbox.width - 6 * ratio, y - 2 * ratio);
+  }
+  ctx.restore();
+}
+
+/** In front: each touch as a bar along the bottom with the letter of its hand, an unplanned one with an exclamation mark. */
+export function drawTouches(plot: uPlot, { touches, colours }: Decorations): void {
+  const { ctx, bbox } = plot;
+  const ratio = pixelRatio(plot);
+  const bottom = bbox.top + bbox.height;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.font = `600 ${scaled(plot, FONT)}`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "bottom";
+  for (const touch of touches) {
+    const left = plot.valToPos(touch.start, "x", true);
+    const right = plot.valToPos(touch.end ?? plot.scales["x"]?.max ?? touch.start, "x", true);
+    ctx.fillStyle = colours.of(touch.arm);
+    ctx.fillRect(left, bottom - 4 * ratio, Math.max(2 * ratio, right - left), 4 * ratio);
+    ctx.globalAlpha = 0.45;
+    ctx.fillRect(left, bbox.top, ratio, bbox.height);
+    ctx.globalAlpha = 1;
+    ctx.fillText(`${touch.arm === "left" ? "L" : "R"}${touch.planned ? "" : "!"}`, left + 4 * ratio, bottom - 5 * ratio);
+  }
+  ctx.restore();
+}

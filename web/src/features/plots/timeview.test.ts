@@ -1,0 +1,40 @@
+import { describe, expect, it } from "vitest";
+import { Pace } from "./pace";
+import { chosen, FOLLOW, rangeOf, zoomedAbout } from "./timeview";
+
+describe("the stretch of time that is shown", () => {
+  it("follows the mission, whole or its last seconds", () => {
+    const whole = { ...FOLLOW, window: 0 } as const;
+    expect(rangeOf(whole, 1, 0)).toEqual({ from: 0, to: 5 });
+    expect(rangeOf(whole, 21, 0)).toEqual({ from: 0, to: 21 });
+    expect(rangeOf({ ...FOLLOW, window: 10 }, 21, 0)).toEqual({ from: 11, to: 21 });
+    expect(rangeOf({ ...FOLLOW, window: 10 }, 4, 0)).toEqual({ from: 0, to: 10 });
+  });
+
+  it("leaves out the idle time before a mission", () => {
+    expect(rangeOf({ ...FOLLOW, window: 0 }, 620, 600)).toEqual({ from: 599, to: 620 });
+  });
+
+  it("stands still when paused or zoomed", () => {
+    expect(rangeOf({ ...FOLLOW, window: 10, pausedAt: 15 }, 99, 0)).toEqual({ from: 5, to: 15 });
+    expect(rangeOf({ ...FOLLOW, zoomed: { from: 2, to: 3 } }, 99, 0)).toEqual({ from: 2, to: 3 });
+  });
+
+  it("zooms about the cursor and never before the beginning", () => {
+    expect(zoomedAbout({ from: 10, to: 20 }, 12, 0.5)).toEqual({ from: 11, to: 16 });
+    expect(zoomedAbout({ from: 0, to: 10 }, 9, 2).from).toBe(0);
+    expect(chosen(8, 6)).toEqual({ from: 6, to: 8 });
+    expect(chosen(6, 6).to).toBeGreaterThan(6);
+  });
+});
+
+describe("the pace of drawing", () => {
+  it("is every frame while drawing is cheap, and rarer when it is not", () => {
+    const pace = new Pace();
+    pace.drew(0, 1);
+    expect(pace.due(16)).toBe(true);
+    for (let frame = 1; frame < 20; frame += 1) pace.drew(frame * 16, 12);
+    expect(pace.due(19 * 16 + 16)).toBe(false);
+    expect(pace.due(19 * 16 + 120)).toBe(true);
+  });
+});

@@ -1,0 +1,47 @@
+/** The stretch of time that all plots show: it follows the mission, or stands where a person has zoomed. */
+
+export interface Range {
+  readonly from: number;
+  readonly to: number;
+}
+
+/** Seconds that are followed; 0 is the whole mission, but for an idle time before it. */
+export type Window = 0 | 10 | 30;
+
+const SHORTEST = 0.02;
+const LEAST_WHOLE = 5;
+/** Seconds shown before the first motion. */
+const LEAD = 1;
+
+export interface TimeView {
+  readonly window: Window;
+  /** Set while a person looks at a chosen stretch. */
+  readonly zoomed: Range | null;
+  /** The mission goes on, the plots do not. */
+  readonly pausedAt: number | null;
+}
+
+export const FOLLOW: TimeView = { window: 30, zoomed: null, pausedAt: null };
+
+/** What is shown when the mission has come to `now`, having left idle at `firstMotion`. */
+export function rangeOf(view: TimeView, now: number, firstMotion: number): Range {
+  if (view.zoomed) return view.zoomed;
+  const end = view.pausedAt ?? now;
+  const begin = Math.max(0, firstMotion - LEAD);
+  if (view.window === 0) return { from: begin, to: Math.max(end, begin + LEAST_WHOLE) };
+  return { from: Math.max(0, end - view.window), to: Math.max(end, view.window) };
+}
+
+/** Zooms by a factor about a moment, never beyond the beginning. */
+export function zoomedAbout(range: Range, moment: number, factor: number): Range {
+  const width = Math.max(SHORTEST, (range.to - range.from) * factor);
+  const share = (moment - range.from) / (range.to - range.from);
+  const from = Math.max(0, moment - share * width);
+  return { from, to: from + width };
+}
+
+/** A stretch that was drawn with the mouse, at least as long as can be shown. */
+export function chosen(one: number, other: number): Range {
+  const from = Math.max(0, Math.min(one, other));
+  return { from, to: Math.max(Math.max(one, other), from + SHORTEST) };
+}

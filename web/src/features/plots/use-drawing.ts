@@ -1,0 +1,73 @@
+/** Draws all plots from the browser's animation frames, when there is something new and time to spare. */
+import { useCallback, useEffect, useRef, type RefObject } from "react";
+import { useConfiguration } from "../../store/configuration";
+import { useStore } from "../../store/context";
+import type { MissionStore } from "../../store/mission";
+import { clock } from "../../units/units";
+import { Pace } from "./pace";
+import type { DrawPlot, PlotFrame } from "./Plot";
+import type { Known } from "./plot-set";
+import { rangeOf, type TimeView } from "./timeview";
+
+interface Drawing {
+  /** Adds a plot; the returned function takes it away. */
+  readonly register: (draw: DrawPlot) => () => void;
+  /** Something other than the data asks for a new drawing. */
+  readonly touch: () => void;
+}
+
+function frameOf(store: MissionStore, view: TimeView, config: Known["config"]): PlotFrame {
+  const { series } = store;
+  const { snapshot } = store.read();
+  const now = series.at("time", series.length - 1) || 0;
+  return {
+    series,
+    range: rangeOf(view, now, series.firstMotion),
+    known: { snapshot, config },
+    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? [] },
+  };
+}
+
+/** @param time shows the mission time under the cursor. */
+export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>): Drawing {
+  const store = useStore();
+  const config = useConfiguration().inForce?.config ?? null;
+  const draws = useRef(new Set<DrawPlot>());
+  const dirty = useRef(true);
+
+  useEffect(() => {
+    const pace = new Pace();
+    let drawn = -1;
+    let request = 0;
+    dirty.current = true;
+    const frame = (now: number): void => {
+      request = requestAnimationFrame(frame);
+      const news = store.series.version !== drawn && view.pausedAt === null;
+      if (!(news || dirty.current) || !pace.due(now)) return;
+      const begun = performance.now();
+      dirty.current = false;
+      drawn = store.series.version;
+      const content = frameOf(store, view, config);
+      let row: number | null = null;
+      for (const draw of draws.current) row = draw(content) ?? row;
+      if (time.current) time.current.textContent = row === null ? "" : `at ${clock(store.series.at("time", row))}`;
+      pace.drew(now, performance.now() - begun);
+    };
+    request = requestAnimationFrame(frame);
+    return () => {
+      cancelAnimationFrame(request);
+    };
+  }, [store, view, config, time]);
+
+  const touch = useCallback(() => {
+    dirty.current = true;
+  }, []);
+  const register = useCallback((draw: DrawPlot) => {
+    draws.current.add(draw);
+    dirty.current = true;
+    return () => {
+      draws.current.delete(draw);
+    };
+  }, []);
+  return { register, touch };
+}

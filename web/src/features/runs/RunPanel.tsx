@@ -1,0 +1,78 @@
+/** This run: its touches while it flies, how it ended, and its log to take away. */
+import { Panel } from "../../app/Panel";
+import { logAddress } from "../../api/service";
+import type { Outcome } from "../../api/types";
+import { useSnapshot } from "../../store/context";
+import { Icon, type Sign } from "../../theme/Icon";
+import { clock, fixed, MILLIMETRES } from "../../units/units";
+import { outcomeWords, verdictOf, type Verdict } from "./outcome";
+import styles from "./RunPanel.module.css";
+import { TouchTable } from "./TouchTable";
+
+const SIGNS: Readonly<Record<Verdict["tone"], Sign>> = { good: "check", fair: "warning", bad: "cross" };
+
+function margin(outcome: Outcome): string {
+  return outcome.cage_margin === null ? "none" : `${fixed(outcome.cage_margin * MILLIMETRES.factor, 1)} mm`;
+}
+
+function Ending({ outcome }: { readonly outcome: Outcome }) {
+  const verdict = verdictOf(outcome);
+  const closed = outcome.closed_at === null ? "never" : clock(outcome.closed_at, 2);
+  return (
+    <section className={styles.ending} data-tone={verdict.tone} aria-label="Outcome" role="status">
+      <h3 className={styles.headline}>
+        <Icon sign={SIGNS[verdict.tone]} size={18} /> {verdict.headline}
+      </h3>
+      <p>{verdict.meaning}</p>
+      <dl className={styles.figures}>
+        <div>
+          <dt>Peak to closure</dt>
+          <dd>{fixed(outcome.peak_tip_force_to_closure, 3)} N</dd>
+        </div>
+        <div>
+          <dt>Peak to locked arms</dt>
+          <dd>{fixed(outcome.peak_tip_force, 3)} N</dd>
+        </div>
+        <div>
+          <dt>Cage margin</dt>
+          <dd>{margin(outcome)}</dd>
+        </div>
+        <div>
+          <dt>Closed at</dt>
+          <dd>{closed}</dd>
+        </div>
+      </dl>
+      {outcome.at_first_closure !== outcome.at_locked_arms && (
+        <p className={styles.rule}>By the paper's rule, at the first closure: {outcomeWords(outcome.at_first_closure)}.</p>
+      )}
+    </section>
+  );
+}
+
+function Download({ run, format, label }: { readonly run: string; readonly format: "csv" | "parquet"; readonly label: string }) {
+  return (
+    <a className={styles.download} href={logAddress(run, format)} download aria-label={`Download the log of this run as ${label}`}>
+      <Icon sign="download" /> {label}
+    </a>
+  );
+}
+
+export function RunPanel() {
+  const outcome = useSnapshot((snapshot) => snapshot.outcome);
+  const contacts = useSnapshot((snapshot) => snapshot.contacts) ?? [];
+  const run = useSnapshot((snapshot) => snapshot.run_id);
+  const recorded = useSnapshot((snapshot) => snapshot.tick > 0) ?? false;
+  return (
+    <Panel title={outcome ? "How it ended" : "This run"} dated>
+      {outcome && <Ending outcome={outcome} />}
+      <TouchTable touches={contacts} />
+      {run !== null && recorded && (
+        <div className={styles.downloads}>
+          <span>Log, every tick</span>
+          <Download run={run} format="csv" label="CSV" />
+          <Download run={run} format="parquet" label="Parquet" />
+        </div>
+      )}
+    </Panel>
+  );
+}

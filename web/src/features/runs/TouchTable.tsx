@@ -1,0 +1,53 @@
+import type { Touch } from "../../api/types";
+import { Icon } from "../../theme/Icon";
+import { clock, fixed } from "../../units/units";
+import styles from "./TouchTable.module.css";
+
+const NAMES = { left: "Left", right: "Right" } as const;
+
+function Row({ touch }: { readonly touch: Touch }) {
+  const lasts = touch.end === null ? "now" : `${fixed(touch.end - touch.start, 2)} s`;
+  return (
+    <tr>
+      <td>
+        <span className={styles.hand} data-arm={touch.arm}>
+          {NAMES[touch.arm].charAt(0)}
+        </span>
+        {NAMES[touch.arm]}
+        {!touch.planned && (
+          <span className={styles.unplanned} title="A plan was still running when this touch began">
+            <Icon sign="warning" size={12} />
+            <span className="visually-hidden">unplanned</span>
+          </span>
+        )}
+      </td>
+      <td>{clock(touch.start, 2)}</td>
+      <td>{lasts}</td>
+      <td>{fixed(touch.peak, 3)} N</td>
+    </tr>
+  );
+}
+
+/** Every touch so far: which hand, when, how long, how hard. */
+export function TouchTable({ touches }: { readonly touches: readonly Touch[] }) {
+  if (touches.length === 0) return <p className={styles.none}>No touch yet.</p>;
+  return (
+    <div className={styles.scroll} tabIndex={0} role="region" aria-label="Touches">
+      <table className={styles.table}>
+        <thead>
+          <tr>
+            <th scope="col">Touch</th>
+            <th scope="col">at</th>
+            <th scope="col">for</th>
+            <th scope="col">peak</th>
+          </tr>
+        </thead>
+        <tbody>
+          {touches.map((touch) => (
+            <Row key={`${touch.arm} ${touch.start}`} touch={touch} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,49 @@
+/** How a capture ended, in words. */
+import type { Outcome } from "../../api/types";
+
+type OutcomeClass = Outcome["outcome"];
+
+export interface Verdict {
+  readonly tone: "good" | "fair" | "bad";
+  readonly headline: string;
+  readonly meaning: string;
+}
+
+const CAGED: Readonly<Partial<Record<OutcomeClass, Verdict>>> = {
+  caged_force_reduced: {
+    tone: "good",
+    headline: "Caged, force reduced",
+    meaning: "No motion leads the target out of the hands, and no touch was harder than direct caging.",
+  },
+  caged_force_not_reduced: {
+    tone: "fair",
+    headline: "Caged, force not reduced",
+    meaning: "No motion leads the target out of the hands, but a touch was as hard as direct caging or harder.",
+  },
+  caged_unplanned_contact: {
+    tone: "fair",
+    headline: "Caged after unplanned contact",
+    meaning: "No motion leads the target out of the hands, but they touched it when no touch was planned.",
+  },
+};
+
+const FAILED: Readonly<Partial<Record<OutcomeClass, Verdict>>> = {
+  ejection: { tone: "bad", headline: "Target ejected", meaning: "The target left the robot's reach." },
+  base_collision: { tone: "bad", headline: "Collision with the base", meaning: "The target struck the robot's base." },
+  unresolved: { tone: "bad", headline: "Not captured", meaning: "The time was up before the target was caged." },
+};
+
+const NOT_HELD: Verdict = {
+  tone: "bad",
+  headline: "Closed, but not caged",
+  meaning: "The hands closed around the target, but a way out of them is left.",
+};
+
+/** The verdict on the locked arms, which is what an operator needs to know; the paper's own rule stands beside it. */
+export function verdictOf(outcome: Outcome): Verdict {
+  if (outcome.caged) return CAGED[outcome.at_locked_arms] ?? CAGED[outcome.outcome] ?? NOT_HELD;
+  return FAILED[outcome.at_locked_arms] ?? FAILED[outcome.outcome] ?? NOT_HELD;
+}
+
+/** An outcome's name as words. */
+export const outcomeWords = (outcome: OutcomeClass): string => outcome.replaceAll("_", " ");

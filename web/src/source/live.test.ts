@@ -1,0 +1,138 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { waitBefore } from "./backoff";
+import { LiveSource, type Socket } from "./live";
+import type { Link, Sink } from "./source";
+
+class FakeSocket implements Socket {
+  onopen: (() => void) | null = null;
+  onclose: (() => void) | null = null;
+  onmessage: ((message: { data: unknown }) => void) | null = null;
+  sent: string[] = [];
+  closed = false;
+  send(text: string): void {
+    this.sent.push(text);
+  }
+  close(): void {
+    this.closed = true;
+  }
+  tell(frame: object): void {
+    this.onmessage?.({ data: JSON.stringify(frame) });
+  }
+}
+
+function recordingSink() {
+  const links: Link[] = [];
+  const calls: string[] = [];
+  const sink: Sink = {
+    link: (link) => links.push(link),
+    history: (samples) => calls.push(`history ${samples.length}`),
+    snapshot: (snapshot) => calls.push(`snapshot ${snapshot.tick}`),
+    event: (event) => calls.push(`event ${event.message}`),
+    reset: () => calls.push("reset"),
+  };
+  return { links, calls, sink };
+}
+
+const emptyHistory = { columns: [], rows: [] };
+
+describe("live telemetry", () => {
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "setInterval", "clearInterval", "performance"] });
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  function opened() {
+    const sockets: FakeSocket[] = [];
+    const readHistory = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1]] }));
+    const connect = (): Socket => {
+      const socket = new FakeSocket();
+      sockets.push(socket);
+      return socket;
+    };
+    const recorded = recordingSink();
+    const end = new LiveSource({ connect, readHistory }).open(recorded.sink);
+    sockets[0]?.onopen?.();
+    return { ...recorded, sockets, readHistory, end };
+  }
+
+  it("passes frames on in their order", () => {
+    const { sockets, calls } = opened();
+    sockets[0]?.tell({ type: "hello" });
+    sockets[0]?.tell({ type: "history", ...emptyHistory });
+    sockets[0]?.tell({ type: "snapshot", tick: 3, time: 0.003, run_id: "a" });
+    sockets[0]?.tell({ type: "event", message: "touch" });
+    sockets[0]?.tell({ type: "reset", run_id: "r" });
+    expect(calls).toEqual(["history 0", "snapshot 3", "event touch", "reset"]);
+  });
+
+  it("forgets the old run before it takes the history of the one that a restarted service flies", () => {
+    const { sockets, calls } = opened();
+    sockets[0]?.tell({ type: "snapshot", tick: 900, time: 0.9, run_id: "a" });
+    sockets[0]?.onclose?.();
+    vi.advanceTimersByTime(400);
+    sockets[1]?.onopen?.();
+    sockets[1]?.tell({ type: "history", columns: [], rows: [[1], [2]] });
+    sockets[1]?.tell({ type: "snapshot", tick: 3, time: 0.003, run_id: "b" });
+    expect(calls).toEqual(["snapshot 900", "reset", "history 2", "snapshot 3"]);
+  });
+
+  it("connects again after a loss, and after silence", () => {
+    const { sockets, links } = opened();
+    sockets[0]?.onclose?.();
+    expect(links.at(-1)).toMatchObject({ state: "lost", attempt: 1 });
+    vi.advanceTimersByTime(400);
+    expect(sockets).toHaveLength(2);
+    sockets[1]?.onopen?.();
+    vi.advanceTimersByTime(3500);
+    expect(links.at(-1)?.state).toBe("lost");
+    expect(sockets[1]?.closed).toBe(true);
+  });
+
+  it("ends for good", () => {
+    const { sockets, end } = opened();
+    end();
+    vi.advanceTimersByTime(60_000);
+    expect(sockets).toHaveLength(1);
+    expect(sockets[0]?.closed).toBe(true);
+  });
+
+  it("asks the history for what lies in a gap", async () => {
+    const { sockets, calls, readHistory } = opened();
+    vi.advanceTimersByTime(1000);
+    sockets[0]?.tell({ type: "snapshot", tick: 10, time: 0.01, run_id: "a" });
+    sockets[0]?.tell({ type: "snapshot", tick: 2500, time: 2.5, run_id: "a" });
+    expect(readHistory).toHaveBeenCalledExactlyOnceWith(10);
+    await vi.waitFor(() => {
+      expect(calls).toContain("history 1");
+    });
+  });
+
+  it("does not take an old mission's history for the new one's", async () => {
+    const { sockets, calls } = opened();
+    vi.advanceTimersByTime(1000);
+    sockets[0]?.tell({ type: "snapshot", tick: 10, time: 0.01, run_id: "a" });
+    sockets[0]?.tell({ type: "snapshot", tick: 2500, time: 2.5, run_id: "a" });
+    sockets[0]?.tell({ type: "reset", run_id: "next" });
+    await Promise.resolve();
+    await Promise.resolve();
+    expect(calls.at(-1)).toBe("reset");
+  });
+
+  it("acknowledges what it has read", () => {
+    const { sockets } = opened();
+    sockets[0]?.tell({ type: "snapshot", tick: 7, time: 0.007, run_id: "a" });
+    vi.advanceTimersByTime(300);
+    expect(sockets[0]?.sent).toContain(JSON.stringify({ type: "ack", tick: 7 }));
+  });
+});
+
+describe("waiting between attempts", () => {
+  it("grows, stays bounded and is spread", () => {
+    expect(waitBefore(1, () => 0.5)).toBe(250);
+    expect(waitBefore(4, () => 0.5)).toBe(2000);
+    expect(waitBefore(50, () => 1)).toBeLessThanOrEqual(4800);
+    expect(waitBefore(3, () => 0)).toBeLessThan(waitBefore(3, () => 0.9));
+  });
+});

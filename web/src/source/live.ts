@@ -1,0 +1,195 @@
+/** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
+import type { History, MissionEvent, MissionSnapshot } from "../api/types";
+import { samplesOfTable, type Sample, type Table } from "../store/quantities";
+import { waitBefore } from "./backoff";
+import type { Sink, Source } from "./source";
+
+/** Silence after which an open socket is taken for dead, in milliseconds. */
+const SILENCE = 3000;
+/** Mission time between two snapshots beyond which the history is asked for what lay between. */
+const GAP = 0.1;
+/** Milliseconds between two such questions. */
+const BACKFILL_PERIOD = 500;
+
+type Frame =
+  | { type: "hello" | "preparing" }
+  | ({ type: "history" } & Table)
+  | ({ type: "snapshot" } & MissionSnapshot)
+  | ({ type: "event" } & MissionEvent)
+  | { type: "reset"; run_id: string };
+
+/** The part of a WebSocket that is needed here. */
+export interface Socket {
+  onopen: (() => void) | null;
+  onclose: (() => void) | null;
+  onmessage: ((message: { data: unknown }) => void) | null;
+  send(text: string): void;
+  close(): void;
+}
+
+export interface LiveSourceOptions {
+  readonly connect: () => Socket;
+  readonly readHistory: (since: number) => Promise<History>;
+}
+
+export class LiveSource implements Source {
+  constructor(private readonly options: LiveSourceOptions) {}
+
+  open(sink: Sink): () => void {
+    const connection = new Connection(this.options, sink);
+    connection.start();
+    return () => {
+      connection.end();
+    };
+  }
+}
+
+class Connection {
+  private socket: Socket | null = null;
+  private opened = false;
+  private attempt = 0;
+  /** The run whose mission is told. */
+  private run = "";
+  private joining: readonly Sample[] | null = null;
+  private ended = false;
+  private retry: ReturnType<typeof setTimeout> | undefined;
+  private watchdog: ReturnType<typeof setInterval> | undefined;
+  private lastFrameAt = 0;
+  private lastTime = Number.NaN;
+  private gapSince: number | null = null;
+  private lastTick = -1;
+  private lastBackfillAt = 0;
+
+  constructor(
+    private readonly options: LiveSourceOptions,
+    private readonly sink: Sink,
+  ) {}
+
+  start(): void {
+    this.sink.link({ state: "connecting" });
+    this.connect();
+    this.watchdog = setInterval(() => {
+      this.check();
+    }, 250);
+  }
+
+  end(): void {
+    this.ended = true;
+    clearInterval(this.watchdog);
+    clearTimeout(this.retry);
+    this.drop();
+  }
+
+  private connect(): void {
+    const socket = this.options.connect();
+    this.socket = socket;
+    this.lastFrameAt = performance.now();
+    socket.onopen = () => {
+      this.opened = true;
+      this.attempt = 0;
+      this.lastTime = Number.NaN;
+      this.sink.link({ state: "open" });
+    };
+    socket.onmessage = (message) => {
+      if (typeof message.data === "string") this.take(JSON.parse(message.data) as Frame);
+    };
+    socket.onclose = () => {
+      this.lost();
+    };
+  }
+
+  /** A closed or silent connection: tell, and try again after a while. */
+  private lost(): void {
+    this.drop();
+    if (this.ended) return;
+    this.attempt += 1;
+    const wait = waitBefore(this.attempt);
+    this.sink.link({ state: "lost", attempt: this.attempt, retryAt: performance.now() + wait });
+    this.retry = setTimeout(() => {
+      this.connect();
+    }, wait);
+  }
+
+  private drop(): void {
+    const socket = this.socket;
+    this.socket = null;
+    this.opened = false;
+    if (socket === null) return;
+    socket.onopen = socket.onclose = socket.onmessage = null;
+    socket.close();
+  }
+
+  private check(): void {
+    if (this.socket === null) return;
+    if (performance.now() - this.lastFrameAt > SILENCE) this.lost();
+    else if (this.opened && this.lastTick >= 0) this.socket.send(JSON.stringify({ type: "ack", tick: this.lastTick }));
+  }
+
+  private take(frame: Frame): void {
+    this.lastFrameAt = performance.now();
+    switch (frame.type) {
+      case "snapshot":
+        this.takeSnapshot(frame);
+        break;
+      case "event":
+        this.sink.event(frame);
+        break;
+      case "history":
+        this.joining = samplesOfTable(frame);
+        break;
+      case "reset":
+        this.begin(frame.run_id);
+        break;
+      case "hello":
+      case "preparing":
+        break;
+    }
+  }
+
+  /** The history on joining does not say of which run it is; the first snapshot after it does. */
+  private takeSnapshot(snapshot: MissionSnapshot): void {
+    if (snapshot.run_id !== this.run) this.begin(snapshot.run_id);
+    if (this.joining) this.sink.history(this.joining);
+    this.joining = null;
+    this.sink.snapshot(snapshot);
+    this.noticeGap(snapshot);
+  }
+
+  private begin(run: string): void {
+    if (run === this.run) return;
+    if (this.run !== "") this.sink.reset();
+    this.run = run;
+    this.lastTime = Number.NaN;
+    this.lastTick = -1;
+    this.gapSince = null;
+  }
+
+  /** Dropped frames, a sleeping tab or a simulation much faster than real time leave holes that the history fills. */
+  private noticeGap(snapshot: MissionSnapshot): void {
+    if (snapshot.time - this.lastTime > GAP) this.gapSince ??= this.lastTick;
+    this.lastTime = snapshot.time;
+    this.lastTick = snapshot.tick;
+    const now = performance.now();
+    if (this.gapSince === null || now - this.lastBackfillAt < BACKFILL_PERIOD) return;
+    this.lastBackfillAt = now;
+    const since = this.gapSince;
+    const run = this.run;
+    this.gapSince = null;
+    this.options.readHistory(since).then(
+      (history) => {
+        if (run === this.run) this.sink.history(samplesOfTable(history));
+      },
+      () => {
+        if (run === this.run) this.gapSince ??= since;
+      },
+    );
+  }
+}
+
+
+/** The service's telemetry socket, at up to that many snapshots a second. */
+export function telemetrySocket(rate: number): Socket {
+  const address = new URL(`/api/v1/telemetry?rate=${rate}`, window.location.href);
+  address.protocol = address.protocol.replace("http", "ws");
+  return new WebSocket(address) as Socket;
+}

@@ -1,0 +1,25 @@
+/** Where a mission is read from: live telemetry, or a stored run. Panels never know which. */
+import type { MissionEvent, MissionSnapshot } from "../api/types";
+import type { Sample } from "../store/quantities";
+
+/** How the way to the data is. */
+export type Link =
+  | { readonly state: "connecting" }
+  | { readonly state: "open" }
+  | { readonly state: "lost"; readonly attempt: number; readonly retryAt: number };
+
+/** Takes what a source tells, in the order in which it happened. */
+export interface Sink {
+  link(link: Link): void;
+  /** A whole history: what is known of the mission up to now. */
+  history(samples: readonly Sample[]): void;
+  snapshot(snapshot: MissionSnapshot): void;
+  event(event: MissionEvent): void;
+  /** Another mission began; nothing known so far belongs to it. */
+  reset(): void;
+}
+
+export interface Source {
+  /** Begins to tell the sink; the returned function ends it. */
+  open(sink: Sink): () => void;
+}

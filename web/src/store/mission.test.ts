@@ -1,0 +1,104 @@
+import { describe, expect, it } from "vitest";
+import type { MissionEvent, MissionSnapshot } from "../api/types";
+import { MissionStore } from "./mission";
+
+const arm = { hand_wrench: [0, 0, 0], manipulability: 0.02 };
+const body = { pose: [0, 0, 0], twist: [0, 0, 0] };
+
+function snapshot(tick: number, phase = "idle"): MissionSnapshot {
+  const mission = { tick, time: tick / 1000, phase, activity: "none", spin: 1, outcome: null };
+  return { ...mission, left: arm, right: arm, base: body, target: body } as unknown as MissionSnapshot;
+}
+
+const event = (tick: number, message: string): MissionEvent => ({
+  tick,
+  time: tick / 1000,
+  at: "2026-11-22T11:30:00Z",
+  kind: "touch",
+  severity: "info",
+  message,
+});
+
+function storeAt(clock: { now: number }): MissionStore {
+  const store = new MissionStore(() => clock.now);
+  store.link({ state: "open" });
+  return store;
+}
+
+describe("trust in what is shown", () => {
+  it("goes stale half a second after the last snapshot, and tells the age", () => {
+    const clock = { now: 0 };
+    const store = storeAt(clock);
+    expect(store.read().trust).toBe("connecting");
+    store.snapshot(snapshot(0));
+    expect(store.read().trust).toBe("live");
+    for (clock.now = 100; clock.now <= 500; clock.now += 100) store.look();
+    expect(store.read().trust).toBe("live");
+    for (clock.now = 560; clock.now <= 760; clock.now += 100) store.look();
+    clock.now = 760;
+    store.look();
+    expect(store.read()).toMatchObject({ trust: "stale", age: 700 });
+    store.snapshot(snapshot(700));
+    expect(store.read()).toMatchObject({ trust: "live", age: 0 });
+  });
+
+  it("lets waiting frames speak first when the browser itself was held up", () => {
+    const clock = { now: 0 };
+    const store = storeAt(clock);
+    store.snapshot(snapshot(0));
+    store.look();
+    clock.now = 2000;
+    store.look();
+    expect(store.read().trust).toBe("live");
+    clock.now = 2100;
+    store.look();
+    expect(store.read().trust).toBe("stale");
+  });
+
+  it("does not trust a lost connection, however fresh its last word", () => {
+    const clock = { now: 0 };
+    const store = storeAt(clock);
+    store.snapshot(snapshot(0));
+    store.link({ state: "lost", attempt: 1, retryAt: 1200 });
+    expect(store.read()).toMatchObject({ trust: "stale", retryIn: 2000 });
+  });
+
+  it("tells preparing from silence", () => {
+    const store = storeAt({ now: 0 });
+    store.health({ status: "preparing", version: "0", plant: "simulation", tick_age: null, link_age: null, phase: "idle" });
+    expect(store.read().trust).toBe("preparing");
+    store.snapshot(snapshot(0));
+    expect(store.read().trust).toBe("live");
+  });
+});
+
+describe("what the panels get", () => {
+  it("keeps their pace, but tells a change of phase at once; the series has everything", () => {
+    const clock = { now: 0 };
+    const store = storeAt(clock);
+    store.snapshot(snapshot(0));
+    clock.now = 10;
+    store.snapshot(snapshot(10));
+    expect(store.read().snapshot?.tick).toBe(0);
+    clock.now = 20;
+    store.snapshot(snapshot(20, "detumbling"));
+    expect(store.read().snapshot?.tick).toBe(20);
+    expect(store.series.length).toBe(3);
+  });
+
+  it("orders events and does not repeat them", () => {
+    const store = storeAt({ now: 0 });
+    store.event(event(30, "later"));
+    store.addEvents([event(10, "earlier"), event(30, "later")]);
+    expect(store.read().events.map((known) => known.message)).toEqual(["earlier", "later"]);
+  });
+
+  it("forgets all of a mission that was reset", () => {
+    const store = storeAt({ now: 0 });
+    store.snapshot(snapshot(5));
+    store.event(event(5, "touch"));
+    store.reset();
+    expect(store.read().events).toEqual([]);
+    expect(store.series.length).toBe(0);
+  });
+});

@@ -1,0 +1,152 @@
+/** What the console knows of the mission: one immutable view for the panels, one series for the plots. */
+import type { Health, MissionEvent, MissionSnapshot } from "../api/types";
+import type { Link, Sink } from "../source/source";
+import { sampleOfSnapshot, type Sample } from "./quantities";
+import { Series } from "./series";
+
+/** Silence after which what is shown counts as old, in milliseconds. */
+export const STALE_AFTER = 500;
+/** The panels follow at this pace; plots read the series at theirs. Milliseconds. */
+const PUBLISH_PERIOD = 60;
+const EVENTS_KEPT = 500;
+/** Looks that come this late, in milliseconds, mean that the browser was busy or asleep. */
+const HELD_UP = 350;
+
+/**
+ * How much of what is on the screen may be trusted.
+ *
+ * `connecting`: nothing has come yet; `preparing`: the service is there but its controller is being compiled;
+ * `live`; `stale`: the last snapshot is older than `STALE_AFTER`, or the connection is lost.
+ */
+export type Trust = "connecting" | "preparing" | "live" | "stale";
+
+export interface MissionView {
+  readonly snapshot: MissionSnapshot | null;
+  readonly link: Link;
+  readonly trust: Trust;
+  /** Milliseconds since the last snapshot came; steps of a tenth of a second while stale, else 0. */
+  readonly age: number;
+  /** Milliseconds to the next attempt to connect, rounded up to seconds; 0 if none is planned. */
+  readonly retryIn: number;
+  readonly events: readonly MissionEvent[];
+  readonly health: Health | null;
+  /** When the service was first seen preparing, on the clock of `performance.now()`. */
+  readonly preparingSince: number | null;
+}
+
+const NOTHING: MissionView = {
+  snapshot: null,
+  link: { state: "connecting" },
+  trust: "connecting",
+  age: 0,
+  retryIn: 0,
+  events: [],
+  health: null,
+  preparingSince: null,
+};
+
+type Listener = () => void;
+
+export class MissionStore implements Sink {
+  readonly series = new Series();
+  private view = NOTHING;
+  private pending: Partial<MissionView> = {};
+  private snapshotAt = -Infinity;
+  private publishedAt = -Infinity;
+  private lookedAt = -Infinity;
+  private readonly listeners = new Set<Listener>();
+
+  constructor(private readonly now: () => number = () => performance.now()) {}
+
+  readonly subscribe = (listener: Listener): (() => void) => {
+    this.listeners.add(listener);
+    return () => {
+      this.listeners.delete(listener);
+    };
+  };
+
+  readonly read = (): MissionView => this.view;
+
+  snapshot(snapshot: MissionSnapshot): void {
+    this.snapshotAt = this.now();
+    this.series.append(sampleOfSnapshot(snapshot));
+    const before = this.pending.snapshot ?? this.view.snapshot;
+    const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
+    this.change({ snapshot }, changed || this.view.trust !== "live");
+  }
+
+  history(samples: readonly Sample[]): void {
+    this.series.merge(samples);
+  }
+
+  event(event: MissionEvent): void {
+    this.addEvents([event]);
+  }
+
+  /** Puts events where they belong in time; those already known are not repeated. */
+  addEvents(more: readonly MissionEvent[]): void {
+    const known = this.pending.events ?? this.view.events;
+    const names = new Set(known.map(nameOf));
+    const fresh = more.filter((event) => !names.has(nameOf(event)));
+    if (fresh.length === 0) return;
+    const events = [...known, ...fresh].sort((one, other) => one.time - other.time).slice(-EVENTS_KEPT);
+    this.change({ events }, true);
+  }
+
+  link(link: Link): void {
+    this.change({ link }, true);
+  }
+
+  health(health: Health | null): void {
+    const since = this.view.preparingSince;
+    const preparingSince = health?.status === "preparing" ? (since ?? this.now()) : null;
+    this.change({ health, preparingSince }, true);
+  }
+
+  reset(): void {
+    this.series.clear();
+    this.change({ events: [] }, true);
+  }
+
+  /** Looks at the clock: what is shown may have grown old without anything happening. Called every tenth of a second. */
+  readonly look = (): void => {
+    const since = this.now() - this.lookedAt;
+    this.lookedAt = this.now();
+    // A browser that was itself held up has frames waiting; they speak first.
+    if (since < HELD_UP) this.publish();
+  };
+
+  private change(change: Partial<MissionView>, atOnce: boolean): void {
+    this.pending = { ...this.pending, ...change };
+    if (atOnce || this.now() - this.publishedAt >= PUBLISH_PERIOD) this.publish();
+  }
+
+  private publish(): void {
+    const next = this.judged({ ...this.view, ...this.pending });
+    this.pending = {};
+    this.publishedAt = this.now();
+    if (same(next, this.view)) return;
+    this.view = next;
+    for (const listener of this.listeners) listener();
+  }
+
+  private judged(view: MissionView): MissionView {
+    const silence = this.now() - this.snapshotAt;
+    const trust = this.trustIn(view, silence);
+    const age = trust === "stale" ? Math.floor(silence / 100) * 100 : 0;
+    const wait = view.link.state === "lost" ? Math.max(0, view.link.retryAt - this.now()) : 0;
+    return { ...view, trust, age, retryIn: Math.ceil(wait / 1000) * 1000 };
+  }
+
+  private trustIn(view: MissionView, silence: number): Trust {
+    if (view.link.state === "open" && silence <= STALE_AFTER) return "live";
+    if (view.health?.status === "preparing" && view.link.state !== "lost") return "preparing";
+    return view.snapshot === null ? "connecting" : "stale";
+  }
+}
+
+const nameOf = (event: MissionEvent): string => `${event.tick} ${event.kind} ${event.message}`;
+
+function same(one: MissionView, other: MissionView): boolean {
+  return (Object.keys(one) as (keyof MissionView)[]).every((key) => one[key] === other[key]);
+}

@@ -1,0 +1,67 @@
+import { describe, expect, it } from "vitest";
+import { QUANTITY_NAMES, samplesOfTable, type QuantityName, type Sample } from "./quantities";
+import { Series } from "./series";
+
+const PERIOD = 0.001;
+
+function sample(tick: number, more: Partial<Record<QuantityName, number>> = {}): Sample {
+  const zeros = Object.fromEntries(QUANTITY_NAMES.map((name) => [name, 0])) as Record<QuantityName, number>;
+  return { ...zeros, tick, time: tick * PERIOD, ...more };
+}
+
+const ticks = (series: Series): number[] => [...series.slice("tick", 0, series.length)];
+
+describe("the mission over time", () => {
+  it("ignores what it knows already: frames may come after the history that tells of them", () => {
+    const series = new Series();
+    series.merge([0, 16, 32].map((tick) => sample(tick)));
+    for (const tick of [16, 24, 32, 48]) series.append(sample(tick));
+    expect(ticks(series)).toEqual([0, 16, 32, 48]);
+  });
+
+  it("fills a gap from the history and keeps what came meanwhile", () => {
+    const series = new Series();
+    for (const tick of [0, 10, 500, 520]) series.append(sample(tick));
+    series.merge([100, 200, 500].map((tick) => sample(tick)));
+    expect(ticks(series)).toEqual([0, 10, 100, 200, 500, 520]);
+  });
+
+  it("stays bounded and keeps the peak force", () => {
+    const series = new Series(64);
+    for (let tick = 0; tick < 1000; tick += 1) series.append(sample(tick, { rightForce: tick === 77 ? 9 : 1 }));
+    expect(series.length).toBeLessThanOrEqual(64);
+    expect(Math.max(...series.slice("rightForce", 0, series.length))).toBe(9);
+    const kept = ticks(series);
+    expect(kept).toEqual([...kept].sort((one, other) => one - other));
+    expect(series.lastTick).toBe(999);
+  });
+
+  it("finds rows by time", () => {
+    const series = new Series();
+    for (const tick of [0, 10, 20]) series.append(sample(tick));
+    expect(series.rowAt(-1)).toBe(0);
+    expect(series.rowAt(0.0101)).toBe(2);
+    expect(series.rowAt(9)).toBe(3);
+  });
+
+  it("tells the phases with their times", () => {
+    const series = new Series();
+    for (const [tick, phase] of [[0, 0], [10, 1], [20, 1], [30, 3]] as const) series.append(sample(tick, { phase }));
+    expect(series.phaseSpans()).toEqual([
+      { phase: "idle", start: 0, end: 0.01 },
+      { phase: "detumbling", start: 0.01, end: 0.03 },
+      { phase: "holding", start: 0.03, end: 0.03 },
+    ]);
+    expect(series.firstMotion).toBe(0.01);
+  });
+
+  it("reads a history by the names of its columns, NaN for those it lacks", () => {
+    const [row] = samplesOfTable({
+      columns: ["mission.tick", "left.hand_wrench.y", "left.hand_wrench.x"].map((name) => ({ name })),
+      rows: [[7, 4, 3]],
+    });
+    expect(row?.tick).toBe(7);
+    expect(row?.leftForce).toBe(5);
+    expect(row?.spin).toBeNaN();
+  });
+});

@@ -1,0 +1,134 @@
+/** The mission over time, in bounded memory: one typed array a quantity, for plots and the phase timeline. */
+import { phaseOf, type Phase } from "./phases";
+import { QUANTITY_NAMES, type QuantityName, type Sample } from "./quantities";
+
+/** A stretch of time in one phase. */
+export interface PhaseSpan {
+  readonly phase: Phase;
+  readonly start: number;
+  readonly end: number;
+}
+
+type Columns = Readonly<Record<QuantityName, Float64Array>>;
+
+const newColumns = (capacity: number): Columns =>
+  Object.fromEntries(QUANTITY_NAMES.map((name) => [name, new Float64Array(capacity)])) as Record<QuantityName, Float64Array>;
+
+export class Series {
+  /** Grows with every change, so that a plot knows whether it has something new to draw. */
+  version = 0;
+  length = 0;
+  private readonly columns: Columns;
+
+  constructor(private readonly capacity = 16_384) {
+    this.columns = newColumns(capacity);
+  }
+
+  clear(): void {
+    this.length = 0;
+    this.version += 1;
+  }
+
+  /** The newest tick, -1 if there is none. */
+  get lastTick(): number {
+    return this.length === 0 ? -1 : this.at("tick", this.length - 1);
+  }
+
+  at(name: QuantityName, row: number): number {
+    return this.columns[name][row] ?? Number.NaN;
+  }
+
+  /** Rows `from` to `to` (exclusive) of one quantity, without a copy. */
+  slice(name: QuantityName, from: number, to: number): Float64Array {
+    return this.columns[name].subarray(from, Math.min(to, this.length));
+  }
+
+  /** Adds a sample if it is newer than all others; a history may have told of it before it came. */
+  append(sample: Sample): void {
+    if (sample.tick <= this.lastTick) return;
+    if (this.length === this.capacity) this.thin();
+    this.write(this.length, sample);
+    this.length += 1;
+    this.version += 1;
+  }
+
+  /** Puts the samples of a history in the place of whatever lay between its first and last tick. */
+  merge(samples: readonly Sample[]): void {
+    const first = samples[0];
+    const last = samples.at(-1);
+    if (first === undefined || last === undefined) return;
+    const kept = this.rowsWhere((tick) => tick < first.tick || tick > last.tick);
+    const merged = [...kept, ...samples].sort((one, other) => one.tick - other.tick);
+    this.length = 0;
+    for (const sample of merged) {
+      if (this.length === this.capacity) this.thin();
+      this.write(this.length, sample);
+      this.length += 1;
+    }
+    this.version += 1;
+  }
+
+  /** First row at or after that time. */
+  rowAt(time: number): number {
+    let low = 0;
+    let high = this.length;
+    while (low < high) {
+      const middle = (low + high) >>> 1;
+      if (this.at("time", middle) < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** When the mission first left idle; 0 while it has not. */
+  get firstMotion(): number {
+    const [first, second] = this.phaseSpans();
+    return first?.phase === "idle" && second !== undefined ? second.start : 0;
+  }
+
+  /** The phases so far, oldest first; each ends where the next begins. */
+  phaseSpans(): PhaseSpan[] {
+    const spans: { phase: Phase; start: number; end: number }[] = [];
+    for (let row = 0; row < this.length; row += 1) {
+      const phase = phaseOf(this.at("phase", row));
+      const time = this.at("time", row);
+      const current = spans.at(-1);
+      if (current !== undefined) current.end = time;
+      if (current?.phase !== phase) spans.push({ phase, start: time, end: time });
+    }
+    return spans;
+  }
+
+  private rowsWhere(wanted: (tick: number) => boolean): Sample[] {
+    const rows: Sample[] = [];
+    for (let row = 0; row < this.length; row += 1) {
+      if (wanted(this.at("tick", row))) rows.push(this.read(row));
+    }
+    return rows;
+  }
+
+  private read(row: number): Sample {
+    return Object.fromEntries(QUANTITY_NAMES.map((name) => [name, this.at(name, row)])) as Record<QuantityName, number>;
+  }
+
+  private write(row: number, sample: Sample): void {
+    for (const name of QUANTITY_NAMES) this.columns[name][row] = sample[name];
+  }
+
+  /** Makes room: of every two neighbours in the older half the one with the greater force stays, so peaks stay true. */
+  private thin(): void {
+    const half = this.length >>> 1;
+    let to = 0;
+    for (let row = 0; row + 1 < half; row += 2) this.copy(this.force(row) >= this.force(row + 1) ? row : row + 1, to++);
+    for (let row = half - (half % 2); row < this.length; row += 1) this.copy(row, to++);
+    this.length = to;
+  }
+
+  private force(row: number): number {
+    return Math.max(this.at("leftForce", row), this.at("rightForce", row));
+  }
+
+  private copy(from: number, to: number): void {
+    for (const name of QUANTITY_NAMES) this.columns[name][to] = this.at(name, from);
+  }
+}

@@ -1,0 +1,49 @@
+/** Mantine's components in the console's colours, type and density. */
+import { createTheme, type CSSVariablesResolver, type MantineColorsTuple } from "@mantine/core";
+
+const calm: MantineColorsTuple = [
+  "#e4fbf5", "#cbf3e9", "#9be7d4", "#6cdbc0", "#4fd1b5", "#35b79b", "#249a81", "#0b7a65", "#0a6f5c", "#054a3d",
+];
+
+/** Mantine's own dark greys, in the hue of `tokens.css`. */
+const dark: MantineColorsTuple = [
+  "#e9edf3", "#c3cbd6", "#a7b1bf", "#8390a1", "#3b4656", "#252d38", "#1b222c", "#141920", "#0e1116", "#0a0d11",
+];
+
+export const theme = createTheme({
+  fontFamily: "var(--sans)",
+  fontFamilyMonospace: "var(--mono)",
+  primaryColor: "calm",
+  primaryShade: { dark: 5, light: 7 },
+  autoContrast: true,
+  luminanceThreshold: 0.3,
+  colors: { calm, dark },
+  defaultRadius: 6,
+  cursorType: "pointer",
+  focusRing: "auto",
+  components: {
+    Button: { defaultProps: { size: "xs", variant: "default" } },
+    ActionIcon: { defaultProps: { size: 28, variant: "default" } },
+    NativeSelect: { defaultProps: { size: "xs" } },
+    TextInput: { defaultProps: { size: "xs" } },
+    SegmentedControl: { defaultProps: { size: "xs" } },
+    Tooltip: {
+      defaultProps: { withArrow: true, openDelay: 250, multiline: true, events: { hover: true, focus: true, touch: true } },
+    },
+  },
+});
+
+const SURFACES = {
+  "--mantine-color-body": "var(--page)",
+  "--mantine-color-text": "var(--text)",
+  "--mantine-color-dimmed": "var(--dim)",
+  "--mantine-color-placeholder": "var(--faint)",
+  "--mantine-color-default": "var(--raised)",
+  "--mantine-color-default-hover": "var(--line)",
+  "--mantine-color-default-color": "var(--text)",
+  "--mantine-color-default-border": "var(--line-strong)",
+  "--mantine-color-error": "var(--error)",
+};
+
+/** Mantine's surfaces follow `tokens.css`, which alone knows about dark and light. */
+export const surfaces: CSSVariablesResolver = () => ({ variables: {}, dark: SURFACES, light: SURFACES });

@@ -1,0 +1,71 @@
+/** The one place where SI and radians become what a person reads. */
+
+export type AngleUnit = "rad" | "deg";
+
+/** How a quantity is shown: SI value times `factor`, in `unit`. */
+export interface Shown {
+  readonly factor: number;
+  readonly unit: string;
+}
+
+const DEGREES = 180 / Math.PI;
+
+const TYPESET: Readonly<Record<string, string>> = {
+  "1": "",
+  "kg m2": "kg·m²",
+  "N s/m": "N·s/m",
+  "N m": "N·m",
+  "N m s": "N·m·s",
+  "N s": "N·s",
+  m2: "m²",
+  "1/s2": "1/s²",
+};
+
+/** The unit of the configuration or telemetry as a person prefers to read it. */
+export function shown(unit: string, angles: AngleUnit): Shown {
+  if (angles === "deg" && unit === "rad") return { factor: DEGREES, unit: "°" };
+  if (angles === "deg" && unit === "rad/s") return { factor: DEGREES, unit: "°/s" };
+  return { factor: 1, unit: TYPESET[unit] ?? unit };
+}
+
+/** Lengths and speeds of a capture are read in millimetres. */
+export const MILLIMETRES: Shown = { factor: 1000, unit: "mm" };
+export const MILLIMETRES_PER_SECOND: Shown = { factor: 1000, unit: "mm/s" };
+
+const MINUS = "\u2212";
+
+/** A number with a fixed count of decimals, a true minus sign, and never "−0.00". */
+export function fixed(value: number, decimals: number): string {
+  if (!Number.isFinite(value)) return "—";
+  const digits = value.toFixed(decimals);
+  if (!digits.startsWith("-")) return digits;
+  return Number(digits) === 0 ? digits.slice(1) : MINUS + digits.slice(1);
+}
+
+/** A number as short as it can be without losing what a person typed. */
+export function plain(value: number): string {
+  const rounded = Number(value.toPrecision(7));
+  const size = Math.abs(rounded);
+  return size !== 0 && (size < 1e-3 || size >= 1e6) ? exponential(rounded) : String(rounded);
+}
+
+const exponential = (value: number): string => value.toExponential().replace("e+", "e");
+
+/** What a person typed as a number, or null; a comma may be the decimal sign. */
+export function parsed(text: string): number | null {
+  const digits = text.trim().replace(MINUS, "-").replace(",", ".");
+  if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(digits)) return null;
+  const value = Number(digits);
+  return Number.isFinite(value) ? value : null;
+}
+
+/** Mission time as minutes and seconds, `01:23.456`. */
+export function clock(seconds: number, decimals = 3): string {
+  const unit = 10 ** decimals;
+  // Rounded once, so that 59.9996 s reads 01:00.000 and not 00:60.000.
+  const total = Math.round(Math.max(0, seconds) * unit);
+  const minutes = Math.floor(total / (60 * unit));
+  const rest = (total - minutes * 60 * unit) / unit;
+  const width = decimals > 0 ? 3 + decimals : 2;
+  return `${String(minutes).padStart(2, "0")}:${rest.toFixed(decimals).padStart(width, "0")}`;
+}
