@@ -94,7 +94,9 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
     try:
         result = MissionConfig.model_validate_json(json.dumps(tree))
     except ValidationError as error:
-        raise ConfigError(explained(error), tip="GET /api/v1/mission/config/schema lists every parameter") from None
+        raise ConfigError(
+            explained(error), tip="every parameter stands in sim/config.py, with unit, bounds and source"
+        ) from None
     require_clear_start(result)
     return result
 

@@ -23,7 +23,7 @@ from sim.model.target import distance_from_square, in_target
 _POSITION_STEP = 1.5e-3
 _ANGLE_STEP = math.radians(1.0)
 _QUARTER_TURN = math.pi / 2
-_OUTLINE_SPACING = 8e-3  # between discs along fingers and palm: they leave no gap that a corner could use
+_OUTLINE_SPACING = 12e-3  # between discs along fingers and palm: what they leave out only lessens the margin
 
 
 class Cage(NamedTuple):
@@ -54,7 +54,9 @@ def tips_enclose(robot: RobotModel, hand_pose: FloatArray, target_pose: FloatArr
     if apart > math.sqrt(2.0) * width + 2.0 * robot.tip_offset:  # no neighbouring tips can overlap
         return False
     pose = target_pose.copy()
-    pose[2] = target_pose[2] % _QUARTER_TURN
+    # The square's axes that lie between the hands' line and its normal: they tell which tips are neighbours.
+    line = math.atan2(hand_pose[1, 1] - hand_pose[0, 1], hand_pose[1, 0] - hand_pose[0, 0])
+    pose[2] = line + (target_pose[2] - line) % _QUARTER_TURN
     tips = np.empty((2, 2, 2))
     for arm in range(2):
         for tip in range(2):

@@ -140,6 +140,11 @@ def locked_event(time: float, period: float) -> Event:
     return _event_at(time, period, "locked", "info", "The closing is done: the arms are locked, the cage is verified")
 
 
+def fault_event(time: float, period: float) -> Event:
+    """The event of a plant whose state is not finite any more."""
+    return _event_at(time, period, "fault", "error", "The plant's state is not finite: it can no longer be trusted")
+
+
 def verdict_event(outcome: Outcome, time: float, period: float) -> Event:
     """The event of a verdict."""
     failed = outcome.at_locked_arms in (OutcomeClass.EJECTION, OutcomeClass.BASE_COLLISION, OutcomeClass.UNRESOLVED)

@@ -18,6 +18,7 @@ from sim.capture.events import (
     Ticks,
     closed_event,
     events_of,
+    fault_event,
     locked_event,
     touch_event,
     verdict_event,
@@ -197,9 +198,11 @@ class Mission:
             The ticks flown, an array of `TICK`.
 
         Raises:
-            PlantDiverged: the plant's state is not finite; the ticks so far stand in `last_ticks`.
+            PlantDiverged: the plant's state was not finite after the last call, which gave its ticks; phase `faulted`.
 
         """
+        if self.phase is Phase.FAULTED:
+            raise PlantDiverged(f"the simulated state is not finite after {self.time:.3f} s", tip="reset the mission")
         rows = np.zeros(ticks, TICK)
         plant = self._plant
         flown, finite = fly(
@@ -209,7 +212,7 @@ class Mission:
         self._tell(rows)
         if not finite:
             self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
-            raise PlantDiverged(f"the simulated state is not finite after {self.time:.3f} s")
+            self._events.append(fault_event(self.time, self.config.control.period))
         return rows
 
     def tick(self) -> Any:

@@ -56,7 +56,7 @@ class Outcome(Published):
     peak_tip_force_to_closure: float = Field(description="The same up to the first closed instant [N]")
     closed_at: float | None = Field(description="First closed instant [s]")
     locked_at: float | None = Field(description="Arms locked [s]")
-    duration: float = Field(description="Mission time at the verdict [s]")
+    duration: float = Field(description="From the sequence's start to the verdict [s]")
     contacts: list[Touch]
     final_target_spin: float = Field(description="Target's angular velocity at the verdict [rad/s]")
     min_manipulability: float = Field(description="Smallest of both arms over the sequence [m2]")

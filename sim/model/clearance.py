@@ -10,7 +10,7 @@ import numpy as np
 from sim.compiled import FloatArray, compiled
 from sim.config import ArmConfig, MissionConfig
 from sim.model.planar import rotated
-from sim.model.robot import RobotModel, chain, initial_joint_angles, robot_model
+from sim.model.robot import JOINTS, RobotModel, chain, initial_joint_angles, robot_model
 from sim.model.target import distance_from_square, in_target
 
 _SAMPLES = 41  # along a link, for the check before a start: every few millimetres
@@ -77,7 +77,7 @@ def _hand_and_link_depths(config: MissionConfig, target: FloatArray, half_side: 
     for arm, side in enumerate(("left", "right")):
         hand = links.hand_pose[arm]
         outline = np.array([hand[:2] + np.array(rotated(hand[2], *point)) for point in hand_outline(arm_config)])
-        for j in range(2):
+        for j in range(JOINTS):
             run = links.joint[arm, j : j + 2]
             depths.append((f"{side} link {j + 1}", _depth(run, arm_config.link_radius, target, half_side)))
         depths.append((f"{side} hand", _depth(outline, arm_config.hand.finger_radius, target, half_side)))

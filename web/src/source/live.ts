@@ -6,6 +6,9 @@ import type { Sink, Source } from "./source";
 
 /** Silence after which an open socket is taken for dead, in milliseconds. */
 const SILENCE = 3000;
+const CHECK_PERIOD = 250;
+/** Checks that come this late, in milliseconds, mean that the browser was busy or asleep. */
+const HELD_UP = 600;
 /** Mission time between two snapshots beyond which the history is asked for what lay between. */
 const GAP = 0.1;
 /** Milliseconds between two such questions. */
@@ -55,6 +58,7 @@ class Connection {
   private retry: ReturnType<typeof setTimeout> | undefined;
   private watchdog: ReturnType<typeof setInterval> | undefined;
   private lastFrameAt = 0;
+  private checkedAt = 0;
   private lastTime = Number.NaN;
   private gapSince: number | null = null;
   private lastTick = -1;
@@ -68,9 +72,10 @@ class Connection {
   start(): void {
     this.sink.link({ state: "connecting" });
     this.connect();
+    this.checkedAt = performance.now();
     this.watchdog = setInterval(() => {
       this.check();
-    }, 250);
+    }, CHECK_PERIOD);
   }
 
   end(): void {
@@ -120,7 +125,10 @@ class Connection {
   }
 
   private check(): void {
-    if (this.socket === null) return;
+    const since = performance.now() - this.checkedAt;
+    this.checkedAt = performance.now();
+    // A browser that was itself held up has frames waiting; they speak first.
+    if (this.socket === null || since > HELD_UP) return;
     if (performance.now() - this.lastFrameAt > SILENCE) this.lost();
     else if (this.opened && this.lastTick >= 0) this.socket.send(JSON.stringify({ type: "ack", tick: this.lastTick }));
   }

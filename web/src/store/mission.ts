@@ -24,6 +24,8 @@ export interface MissionView {
   readonly snapshot: MissionSnapshot | null;
   readonly link: Link;
   readonly trust: Trust;
+  /** How often the connection was made. */
+  readonly connections: number;
   /** Milliseconds since the last snapshot came; steps of a tenth of a second while stale, else 0. */
   readonly age: number;
   /** Milliseconds to the next attempt to connect, rounded up to seconds; 0 if none is planned. */
@@ -38,6 +40,7 @@ const NOTHING: MissionView = {
   snapshot: null,
   link: { state: "connecting" },
   trust: "connecting",
+  connections: 0,
   age: 0,
   retryIn: 0,
   events: [],
@@ -94,7 +97,8 @@ export class MissionStore implements Sink {
   }
 
   link(link: Link): void {
-    this.change({ link }, true);
+    const connections = this.view.connections + (link.state === "open" ? 1 : 0);
+    this.change({ link, connections }, true);
   }
 
   health(health: Health | null): void {

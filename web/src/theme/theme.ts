@@ -15,8 +15,6 @@ export const theme = createTheme({
   fontFamilyMonospace: "var(--mono)",
   primaryColor: "calm",
   primaryShade: { dark: 5, light: 7 },
-  autoContrast: true,
-  luminanceThreshold: 0.3,
   colors: { calm, dark },
   defaultRadius: 6,
   cursorType: "pointer",

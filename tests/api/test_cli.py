@@ -1,0 +1,152 @@
+"""The commands: what they print where, and how they end."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+from click.testing import CliRunner
+
+from becalm.cli import main
+from becalm.serving import bound_socket
+from server.runs import RunStore
+from server.settings import Settings
+
+PROMISED = {
+    "outcome", "caged", "cage_margin", "peak_tip_force", "peak_tip_force_to_closure", "closed_at", "contacts",
+    "duration", "final_target_spin", "min_manipulability", "momentum_error", "real_time_factor", "seed", "run_id",
+    "config", "at_first_closure", "at_locked_arms",
+}  # fmt: skip
+
+
+def _invoke(*arguments: str):
+    return CliRunner().invoke(main, list(arguments))
+
+
+def test_json_is_one_document_and_nothing_else():
+    result = _invoke("run", "--direct", "--json", "--seed", "3")
+    document = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert set(document) >= PROMISED
+    assert document["seed"] == 3
+    assert document["config"]["simulation"]["seed"] == 3
+    assert document["contacts"]
+    assert "Preparing" in result.stderr
+
+
+def test_run_is_kept_in_the_library_and_logged():
+    document = json.loads(_invoke("run", "--direct", "--json").stdout)
+    store = RunStore(Settings.from_environment().data_dir / "runs")
+    reader = store.read(document["run_id"])
+    assert reader.record.status == "finished"
+    assert reader.record.outcome.peak_tip_force == document["peak_tip_force"]
+    events = [event["kind"] for event in reader.events()]
+    assert "verdict" in events
+
+
+def test_summary_for_a_person():
+    result = _invoke("run", "--direct", "--configuration", "published_figures")
+    assert result.exit_code == 0
+    assert "peak tip force" in result.stdout
+    assert "published_figures" in result.stdout
+
+
+def test_log_file(tmp_path):
+    path = tmp_path / "capture.parquet"
+    document = json.loads(_invoke("run", "--direct", "--json", "--log", str(path)).stdout)
+    table = pyarrow.parquet.read_table(path)
+    assert table.column("mission.time")[-1].as_py() == pytest.approx(document["duration"], abs=0.01)
+    assert np.abs(table.column("right.hand_wrench.x").to_numpy()).max() > 0
+    assert list(tmp_path.glob("*.part")) == []
+
+
+def test_config_file(tmp_path):
+    path = tmp_path / "soft.toml"
+    path.write_text("[control.impedance]\ndamping = 3.0\nmass = 0.05\n")
+    document = json.loads(_invoke("run", "--direct", "--json", "--config", str(path), "--set",
+                                  "control.impedance.mass=0.07").stdout)  # fmt: skip
+    assert document["config"]["control"]["impedance"]["damping"] == 3.0
+    assert document["config"]["control"]["impedance"]["mass"] == 0.07  # what is set wins over the file
+    assert document["configuration"] == "published (edited)"
+
+
+@pytest.mark.parametrize("command", [["run", "--json"], ["serve", "--no-open", "--port", "0"]])
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("target.mass=-1", ["target.mass", "-1", "greater than 0", "kg"]),
+        ("target.mass=NaN", ["target.mass", "finite"]),
+        ("target.masss=1", ["target.masss", "target.mass?"]),
+        ("simulation.time_step=0.0003", ["simulation.time_step", "0.0003", "control.period"]),
+        ("target.initial_y=0.1", ["target.initial_y", "0.1", "overlaps"]),
+        ("target.mass", ["target.mass", "PATH=VALUE"]),
+    ],
+)
+def test_bad_parameter_exits_2_and_starts_nothing(command, setting, words, tmp_path):
+    result = _invoke(*command, "--set", setting)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    for word in words:
+        assert word in result.stderr
+    assert not (tmp_path / "data").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "--configuration", "nonesuch"], ["nonesuch", "published_figures"]),
+        (["run", "--log", "capture.xlsx"], [".csv", ".parquet"]),
+        (["run", "--log", "nonesuch/capture.csv"], ["nonesuch"]),
+        (["run", "--config", "nonesuch.toml"], ["nonesuch.toml"]),
+        (["run", "--seed", "-1"], ["--seed"]),
+        (["serve", "--plant", "zenoh"], ["plant", "zenoh", "simulation"]),
+        (["serve", "--port", "70000"], ["--port", "65535"]),
+        (["serve", "--configuration", "nonesuch"], ["nonesuch"]),
+    ],
+)
+def test_bad_argument_exits_2(arguments, words):
+    result = _invoke(*arguments)
+    assert result.exit_code == 2
+    for word in words:
+        assert word in result.stderr
+
+
+def test_port_in_use_exits_1_and_starts_nothing(tmp_path):
+    with bound_socket("127.0.0.1", 0) as taken:
+        port = taken.getsockname()[1]
+        result = _invoke("serve", "--no-open", "--port", str(port))
+    assert result.exit_code == 1
+    assert f"port {port}" in result.stderr
+    assert f"--port {port + 1}" in result.stderr
+    assert result.stdout == ""
+    assert not (tmp_path / "data").exists()
+
+
+def test_data_folder_that_cannot_be_written_exits_1(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("BECALM_DATA_DIR", str(tmp_path / "file"))
+    result = _invoke("run", "--direct", "--json")
+    assert result.exit_code == 1
+    assert str(tmp_path / "file") in result.stderr
+    assert result.stdout == ""
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["serve", "--help"], ["run", "--help"], ["--version"]])
+def test_help_and_version(arguments):
+    result = _invoke(*arguments)
+    assert result.exit_code == 0
+    assert "becalm" in result.stdout
+
+
+def test_serve_says_where_and_ends_on_a_signal(tmp_path):
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert "http://127.0.0.1:" in process.stdout.readline()
+        process.terminate()
+        process.wait(30)

@@ -1,0 +1,91 @@
+"""The configuration over REST: read, changed while flying, refused by field, value and bound."""
+
+from __future__ import annotations
+
+import pytest
+
+from sim.config import PARAMETERS
+from sim.configurations import NAMED_CONFIGURATIONS
+
+DAMPING = {"control": {"impedance": {"damping": 3.0}}}
+
+
+async def test_live_parameter_changes_while_a_mission_flies(console):
+    await console.granted("capture")
+    run_id = (await console.snapshot())["run_id"]
+    answer = await console.http.patch("/mission/config", json=DAMPING)
+    body = answer.json()
+    assert answer.status_code == 200
+    assert body["name"] == "published_figures (edited)"
+    assert body["edited"] == {"control.impedance.damping": {"from": 0.1, "to": 3.0}}
+    assert body == (await console.http.get("/mission/config")).json()
+    snapshot = await console.snapshot()
+    assert snapshot["phase"] == "detumbling"
+    assert snapshot["run_id"] == run_id
+
+
+async def test_other_parameter_takes_a_new_mission_while_idle(console):
+    before = (await console.snapshot())["run_id"]
+    answer = await console.http.patch("/mission/config", json={"target": {"initial_spin": 0.7}})
+    assert answer.status_code == 200
+    snapshot = await console.snapshot()
+    assert snapshot["run_id"] != before
+    assert snapshot["spin"] == pytest.approx(0.7)
+
+
+async def test_other_parameter_is_refused_while_a_mission_is_under_way(console):
+    await console.granted("capture")
+    answer = await console.http.patch("/mission/config", json={"target": {"mass": 3.0}})
+    assert answer.status_code == 409
+    assert "target.mass" in answer.json()["detail"]
+    assert "reset" in answer.json()["tip"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "words"),
+    [
+        ('{"target": {"mass": -1}}', "target.mass", ["-1", "greater than 0", "kg"]),
+        ('{"target": {"mass": NaN}}', "target.mass", ["nan", "finite"]),
+        ('{"target": {"masss": 1}}', "target.masss", ["target.mass?"]),
+        ('{"simulation": {"time_step": 3e-4}}', "simulation.time_step", ["0.0003", "control.period"]),
+        ('{"target": {"initial_y": 0.1}}', "target.initial_x", ["overlaps", "base"]),
+        ('{"control": {"impedance": 3}}', "control.impedance", ["3"]),
+        ('{"contact": {"corner": "round"}}', "contact.corner", ["face", "radial"]),
+    ],
+)
+async def test_bad_value_is_named_and_nothing_changes(console, changes, field, words):
+    before = (await console.http.get("/mission/config")).json()
+    answer = await console.http.patch("/mission/config", content=changes, headers={"content-type": "application/json"})
+    problem = answer.json()
+    assert answer.status_code == 422
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert problem["errors"][0]["field"] == field
+    for word in words:
+        assert word in problem["detail"]
+    assert (await console.http.get("/mission/config")).json() == before
+
+
+async def test_all_or_nothing(console):
+    changes = {"control": {"impedance": {"damping": 3.0, "stiffness": -1.0}}}
+    assert (await console.http.patch("/mission/config", json=changes)).status_code == 422
+    assert (await console.http.get("/mission/config")).json()["edited"] == {}
+
+
+async def test_schema_tells_everything_about_every_parameter(console):
+    body = (await console.http.get("/mission/config/schema")).json()
+    by_path = {parameter["path"]: parameter for parameter in body["parameters"]}
+    assert set(by_path) == set(PARAMETERS)
+    damping = by_path["control.impedance.damping"]
+    assert damping["unit"] == "N s/m"
+    assert damping["live"]
+    assert damping["minimum"] == 0
+    assert damping["default"] == 1.5
+    assert by_path["target.mass"]["exclusive_minimum"] == 0
+    assert by_path["contact.corner"]["choices"] == ["face", "radial"]
+    assert all(parameter["source"] for parameter in by_path.values())
+
+
+async def test_named_configurations(console):
+    configurations = (await console.http.get("/configurations")).json()
+    assert {each["name"] for each in configurations} == set(NAMED_CONFIGURATIONS)
+    assert all(each["description"] for each in configurations)

@@ -1,0 +1,210 @@
+"""Runs: recorded every tick, downloaded to the last bit, scripted, listed, removed."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import numpy as np
+import pyarrow.csv
+import pyarrow.parquet
+import pytest
+from click.testing import CliRunner
+
+from becalm.cli import main
+from server.run_folder import RunRecord
+from sim.capture.run import run_capture
+from sim.capture.tick import COLUMNS, TICK, column_values
+from sim.configurations import named_configuration, revised
+
+
+async def _captured(console) -> str:
+    await console.granted("run", speed=0)
+    await console.granted("direct_cage")
+    snapshot = await console.until(lambda snapshot: snapshot.outcome is not None)
+    await console.until_run(snapshot.run_id, "finished")
+    return snapshot.run_id
+
+
+def _same_bits(table, ticks) -> None:
+    assert table.num_rows == len(ticks)
+    for column in COLUMNS:
+        read = np.asarray(table.column(column.name).to_numpy(), dtype=ticks[column.quantity].dtype)
+        assert read.tobytes() == np.ascontiguousarray(column_values(ticks, column)).tobytes(), column.name
+
+
+async def test_live_run_is_recorded_tick_by_tick(console):
+    run_id = await _captured(console)
+    ticks = np.concatenate(list(console.services.store.read(run_id).chunks()))
+    assert ticks.dtype == TICK
+    assert ticks["tick"][0] == 0
+    assert (np.diff(ticks["tick"][1:]) == 1).all()  # without a gap from the first command on
+    run = (await console.http.get(f"/runs/{run_id}")).json()
+    assert run["kind"] == "live"
+    assert run["ticks"] == len(ticks)
+    assert run["outcome"]["contacts"]
+    assert run["config"]["control"]["impedance"]["damping"] == 0.1
+    assert set(run["versions"]) >= {"becalm", "python", "pymunk", "numpy", "numba"}
+
+
+@pytest.mark.parametrize("log_format", ["csv", "parquet"])
+async def test_log_reads_back_bit_for_bit(console, log_format):
+    run_id = await _captured(console)
+    ticks = np.concatenate(list(console.services.store.read(run_id).chunks()))
+    answer = await console.http.get(f"/runs/{run_id}/log", params={"format": log_format})
+    assert f'filename="becalm-{run_id}.{log_format}"' in answer.headers["content-disposition"]
+    if log_format == "parquet":
+        table = pyarrow.parquet.read_table(io.BytesIO(answer.content))
+        assert all(table.schema.field(column.name).metadata[b"unit"].decode() == column.unit for column in COLUMNS)
+    else:
+        lines = answer.content.splitlines(keepends=True)
+        comments = [line for line in lines if line.startswith(b"#")]
+        assert f"# {COLUMNS[1].name} [{COLUMNS[1].unit}]\n".encode() in comments
+        table = pyarrow.csv.read_csv(io.BytesIO(b"".join(lines[len(comments) :])))
+    _same_bits(table, ticks)
+
+
+async def test_log_of_a_run_in_progress(console):
+    await console.granted("run", speed=10)
+    await console.granted("capture")
+    run_id = (await console.snapshot())["run_id"]
+    reader = console.services.store.read(run_id)
+    await console.until(lambda _: reader.tick_count > 100)
+    answer = await console.http.get(f"/runs/{run_id}/log", params={"format": "parquet"})
+    table = pyarrow.parquet.read_table(io.BytesIO(answer.content))
+    assert table.num_rows > 100
+    assert (await console.snapshot())["outcome"] is None
+
+
+async def test_mission_that_never_moved_leaves_no_run(console):
+    idle = (await console.snapshot())["run_id"]
+    await console.granted("reset")
+    await console.granted("capture")
+    await console.until_run((await console.snapshot())["run_id"], "running")
+    assert (await console.http.get(f"/runs/{idle}")).status_code == 404
+
+
+async def test_reset_in_the_middle_keeps_the_run_as_cancelled(console):
+    await console.granted("capture")
+    run_id = (await console.snapshot())["run_id"]
+    await console.granted("reset")
+    run = await console.until_run(run_id, "cancelled")
+    assert run["outcome"] is None
+
+
+async def test_scripted_run_equals_the_command_line_and_the_library(console):
+    changes = {"control": {"impedance": {"damping": 3.0}}}
+    answer = await console.http.post("/runs", json={"changes": changes, "direct": True, "seed": 7})
+    assert answer.status_code == 202
+    assert answer.json()["status"] in ("queued", "running")
+    run = await console.until_run(answer.json()["id"], "finished", "failed")
+    assert run["status"] == "finished", run["note"]
+    arguments = ["run", "--json", "--direct", "--seed", "7", "--set", "control.impedance.damping=3.0"]
+    printed = json.loads(CliRunner().invoke(main, arguments).stdout)
+    for name, value in run["outcome"].items():
+        assert printed[name] == value, name
+    assert printed["config"] == run["config"]
+    flown = []
+    config = revised(named_configuration("published"), {**changes, "simulation": {"seed": 7}})
+    result = run_capture(config, direct=True, on_ticks=flown.append)
+    assert result.outcome.model_dump(mode="json") == run["outcome"]
+    recorded = np.concatenate(list(console.services.store.read(run["id"]).chunks()))
+    assert recorded.tobytes() == np.concatenate(flown).tobytes()
+
+
+async def test_bad_scripted_run_starts_nothing(console):
+    for body, field in [
+        ({"changes": {"target": {"mass": -1}}}, "target.mass"),
+        ({"configuration": "nonesuch"}, "configuration"),
+        ({"seed": -1}, "seed"),
+        ({"speed": 1}, "speed"),
+    ]:
+        answer = await console.http.post("/runs", json=body)
+        assert answer.status_code == 422
+        assert answer.json()["errors"][0]["field"] == field
+    listed = (await console.http.get("/runs")).json()["runs"]
+    assert [run for run in listed if run["kind"] == "scripted"] == []
+
+
+async def test_scripted_run_is_cancelled_then_removed(console):
+    """A run that would take minutes: it is ended while it waits or flies, and stays listed until it is removed."""
+    changes = {"judging": {"time_limit": 3600.0}, "target": {"initial_spin": 0.0, "initial_y": 0.6}}
+    body = {"changes": changes, "direct": False}
+    runs = [(await console.http.post("/runs", json=body)).json()["id"] for _ in range(2)]
+    for run_id in reversed(runs):  # first the one that waits
+        assert (await console.http.delete(f"/runs/{run_id}")).status_code == 202
+    for run_id in runs:
+        await console.until_run(run_id, "cancelled", "finished")
+        assert (await console.http.delete(f"/runs/{run_id}")).status_code == 204
+    listed = (await console.http.get("/runs")).json()["runs"]
+    assert [run for run in listed if run["kind"] == "scripted"] == []
+
+
+async def test_a_disk_that_fails_is_a_problem_on_the_page_and_the_mission_flies_on(console, monkeypatch):
+    def full(self, ticks):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("server.run_folder.RunWriter.append", full)
+    await console.granted("capture")
+    shown = await console.until(lambda snapshot: any("recorded" in each.title for each in snapshot.problems))
+    (problem,) = [each for each in shown.problems if "recorded" in each.title]
+    assert "No space left" in problem.message
+    assert "disk" in problem.tip
+    await console.until(lambda snapshot: snapshot.tick > shown.tick + 20)
+
+
+async def test_queue_is_bounded(console, monkeypatch):
+    monkeypatch.setattr("server.scripted.CAPACITY", 0)
+    answer = await console.http.post("/runs", json={})
+    assert answer.status_code == 503
+    assert answer.headers["retry-after"]
+
+
+async def test_library_is_paged_newest_first(console):
+    store = console.services.store
+    await console.granted("pause")
+    made = []
+    for second in range(5):
+        record = _record(second)
+        store.create(record)
+        made.append(record.id)
+    first = (await console.http.get("/runs", params={"limit": 2, "cursor": "2021"})).json()
+    second = (await console.http.get("/runs", params={"limit": 2, "cursor": first["next_cursor"]})).json()
+    last = (await console.http.get("/runs", params={"limit": 2, "cursor": second["next_cursor"]})).json()
+    assert [run["id"] for page in (first, second, last) for run in page["runs"]] == made[::-1]
+    assert last["next_cursor"] is None
+
+
+def _record(second: int) -> RunRecord:
+    return RunRecord(
+        id=f"20200101T00000{second}000-abcdef",
+        kind="scripted",
+        status="finished",
+        configuration="published",
+        config=named_configuration("published"),
+        started=f"2020-01-01T00:00:0{second}+00:00",
+    )
+
+
+async def test_ended_run_is_removed_and_the_live_one_is_not(console):
+    record = _record(1)
+    console.services.store.create(record)
+    assert (await console.http.delete(f"/runs/{record.id}")).status_code == 204
+    assert (await console.http.get(f"/runs/{record.id}")).status_code == 404
+    live = (await console.snapshot())["run_id"]
+    assert (await console.http.delete(f"/runs/{live}")).status_code == 409
+
+
+@pytest.mark.parametrize("run_id", ["20200101T000000000-abcdef", "nonesuch", "..", "%2e%2e"])
+@pytest.mark.parametrize("resource", ["", "/log", "/events"])
+async def test_unknown_run_is_not_found(console, run_id, resource):
+    answer = await console.http.get(f"/runs/{run_id}{resource}")
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+async def test_unknown_format_is_refused(console):
+    live = (await console.snapshot())["run_id"]
+    answer = await console.http.get(f"/runs/{live}/log", params={"format": "xlsx"})
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"] == "format"

@@ -1,0 +1,109 @@
+"""The scene through the service's port: page and websocket, real viser and real uvicorn."""
+
+import contextlib
+import socket
+import threading
+import time
+
+import httpx
+import pytest
+import uvicorn
+import viser
+from fastapi import FastAPI
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
+from websockets.sync.client import connect
+
+from server import scene_proxy
+from server.api.origin import SameOrigin
+from server.scene import Scene
+from sim.config import MissionConfig
+
+PATIENCE = 10.0
+"""Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+@contextlib.contextmanager
+def served(scene_port):
+    """The address of an application that has the proxy and the service's own origin check."""
+    app = FastAPI()
+    app.state.scene_port = scene_port
+    app.include_router(scene_proxy.router)
+    app.add_middleware(SameOrigin, hosts=("127.0.0.1",))
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        server = uvicorn.Server(uvicorn.Config(app, log_level="error", ws="websockets-sansio"))
+        thread = threading.Thread(target=server.run, args=([listener],))
+        thread.start()
+        deadline = time.monotonic() + PATIENCE
+        while not server.started and time.monotonic() < deadline:
+            time.sleep(0.01)
+        try:
+            yield f"127.0.0.1:{listener.getsockname()[1]}"
+        finally:
+            server.should_exit = True
+            thread.join(PATIENCE)
+
+
+@pytest.fixture(scope="module")
+def address():
+    scene = Scene(MissionConfig())
+    with served(scene.start()) as address:
+        yield address
+    scene.stop()
+
+
+def socket_of(address, origin=None, subprotocols=(PROTOCOL,)):
+    return connect(
+        f"ws://{address}/scene", origin=origin, subprotocols=subprotocols, compression=None, max_size=None, proxy=None
+    )
+
+
+def test_the_page_comes_dressed_and_only_into_our_own_frames(address):
+    page = httpx.get(f"http://{address}/scene/", trust_env=False)
+    assert page.status_code == 200
+    assert page.headers["content-type"].startswith("text/html")
+    assert page.headers["content-security-policy"] == "frame-ancestors 'self'"
+    assert scene_proxy.HEAD in page.text
+
+
+def test_without_its_slash_the_page_is_still_found(address):
+    answer = httpx.get(f"http://{address}/scene", trust_env=False)
+    assert answer.is_redirect
+    assert answer.headers["location"] == "/scene/"
+
+
+def test_files_that_viser_has_not_are_not_found(address):
+    assert httpx.get(f"http://{address}/scene/nothing.js", trust_env=False).status_code == 404
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_the_websocket_passes_with_its_subprotocol(address, own):
+    """From our own page, and from a client that is no page; the whole scene arrives."""
+    with socket_of(address, origin=f"http://{address}" if own else None) as stream:
+        assert stream.subprotocol == PROTOCOL
+        received = 0
+        while received < 100_000:
+            frame = stream.recv(timeout=PATIENCE)
+            assert isinstance(frame, bytes)
+            received += len(frame)
+
+
+def test_a_foreign_page_is_refused(address):
+    with pytest.raises(InvalidStatus) as refused, socket_of(address, origin="http://elsewhere.example"):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+def test_another_viser_version_is_told_so(address):
+    with pytest.raises(ConnectionClosedError) as closed, socket_of(address, subprotocols=("viser-v0.0.0",)) as stream:
+        stream.recv(timeout=PATIENCE)
+    assert closed.value.rcvd.code == 1002
+
+
+def test_a_scene_that_is_gone_is_said_to_be():
+    with socket.create_server(("127.0.0.1", 0)) as unused:
+        port = unused.getsockname()[1]
+    with served(port) as address:
+        assert httpx.get(f"http://{address}/scene/", trust_env=False).status_code == 503
+        with pytest.raises(InvalidStatus), socket_of(address):
+            pass

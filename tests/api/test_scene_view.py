@@ -1,0 +1,100 @@
+"""The scene as a browser receives it from its own loopback port."""
+
+import pytest
+import viser
+from websockets.sync.client import connect
+
+from server.scene import CAMERAS, LAYERS, Scene
+from sim.capture.mission import Mission
+from sim.config import MissionConfig, TargetConfig
+from sim.configurations import revised
+
+QUIET = 0.5
+"""A scene that sends nothing for this long has nothing to send [s]."""
+WHOLE_SCENE = 100_000
+"""Far more than any change, less than all meshes [bytes]."""
+
+
+@pytest.fixture
+def scene():
+    scene = Scene(MissionConfig())
+    yield scene
+    scene.stop()
+
+
+def flown():
+    mission = Mission(MissionConfig())
+    mission.advance(1)
+    return mission
+
+
+def joined(port):
+    protocol = f"viser-v{viser.__version__}"
+    return connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], compression=None, max_size=None, proxy=None)
+
+
+def drained(browser):
+    """Bytes received until the scene is quiet."""
+    received = 0
+    while True:
+        try:
+            received += len(browser.recv(timeout=QUIET))
+        except TimeoutError:
+            return received
+
+
+def test_a_late_browser_gets_the_whole_scene_and_then_only_what_changes(scene):
+    port = scene.start()
+    mission = flown()
+    scene.show(mission.snapshot())
+    with joined(port) as browser:
+        assert drained(browser) > WHOLE_SCENE
+        scene.show(mission.snapshot())
+        assert drained(browser) == 0
+        mission.advance(50)
+        scene.show(mission.snapshot())
+        assert 0 < drained(browser) < 2_000
+
+
+def test_only_another_geometry_is_drawn_anew(scene):
+    config = MissionConfig()
+    with joined(scene.start()) as browser:
+        drained(browser)
+        scene.reconfigure(revised(config, {"control": {"impedance": {"damping": 3.0}}}))
+        assert drained(browser) == 0
+        scene.reconfigure(config.model_copy(update={"target": TargetConfig(side=0.2)}))
+        assert drained(browser) > WHOLE_SCENE
+
+
+def test_layers_are_switched_by_name(scene):
+    assert scene.layers == {layer: layer != "frames" for layer in LAYERS}
+    with joined(scene.start()) as browser:
+        drained(browser)
+        scene.set_layers({"trails": False, "frames": True})
+        assert drained(browser) > 0
+    assert scene.layers["frames"]
+    with pytest.raises(ValueError, match="stars"):
+        scene.set_layers({"stars": True})
+
+
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_every_camera_can_be_chosen_before_any_browser_is_there(scene, camera):
+    scene.start()
+    scene.set_camera(camera)
+    scene.show(flown().snapshot())
+
+
+def test_an_unknown_camera_is_refused(scene):
+    with pytest.raises(ValueError, match="moon"):
+        scene.set_camera("moon")
+
+
+def test_a_scene_that_is_not_started_ignores_snapshots(scene):
+    scene.show(flown().snapshot())
+
+
+def test_nothing_is_printed_on_standard_output(capsys):
+    scene = Scene(MissionConfig())
+    scene.start()
+    scene.stop()
+    assert capsys.readouterr().out == ""

@@ -1,0 +1,167 @@
+"""The service as a whole: health, its own documentation, who may speak to it, and what survives it."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+
+import httpx
+import numpy as np
+from fastapi import FastAPI
+
+from server.app import create_app
+from server.console import serve_console
+from server.run_folder import RunWriter
+from server.runs import RunStore, new_record
+from server.settings import Settings
+from sim.capture.tick import TICK
+from sim.configurations import named_configuration
+
+
+async def test_health(console):
+    health = (await console.http.get("/health")).json()
+    assert health["status"] == "ok"
+    assert health["plant"] == "simulation"
+    assert health["phase"] == "idle"
+    assert 0 <= health["tick_age"] < 1
+    assert health["link_age"] is None
+
+
+async def test_before_the_simulation_is_prepared(settings):
+    """Without its lifespan a service stays as it is before the mission thread is ready."""
+    app = create_app(settings)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost/api/v1") as http:
+        assert (await http.get("/health")).json()["status"] == "preparing"
+        for answer in (await http.get("/mission"), await http.post("/mission/stop")):
+            assert answer.status_code == 503
+            assert "prepared" in answer.json()["detail"]
+            assert answer.json()["tip"]
+        assert (await http.get("/mission/config")).status_code == 200
+
+
+async def test_openapi_documents_every_refusal(console):
+    document = (await console.http.get("http://localhost/openapi.json")).json()
+    identifiers = [each["operationId"] for path in document["paths"].values() for each in path.values()]
+    assert len(identifiers) == len(set(identifiers))
+    responses = document["paths"]["/api/v1/mission/commands"]["post"]["responses"]
+    assert set(responses) == {"200", "409", "422", "503", "504"}
+    assert list(responses["409"]["content"]) == ["application/problem+json"]
+    assert "HTTPValidationError" not in document["components"]["schemas"]
+    assert "MissionSnapshot" in document["components"]["schemas"]
+
+
+async def test_documentation_needs_nothing_from_elsewhere(console):
+    page = (await console.http.get("http://localhost/docs")).text
+    assert "/swagger/swagger-ui-bundle.js" in page
+    assert "https://" not in page
+
+
+async def test_unknown_address_and_method(console):
+    for answer, status in (
+        (await console.http.get("/nonesuch"), 404),
+        (await console.http.put("/mission"), 405),
+    ):
+        assert answer.status_code == status
+        assert answer.headers["content-type"] == "application/problem+json"
+
+
+async def test_other_hosts_and_pages_are_refused(console):
+    lying = await console.http.get("/health", headers={"host": "elsewhere.example"})
+    foreign = await console.http.post("/mission/stop", headers={"origin": "http://elsewhere.example"})
+    own = await console.http.post("/mission/stop", headers={"origin": "http://localhost"})
+    assert (lying.status_code, foreign.status_code, own.status_code) == (403, 403, 200)
+
+
+async def test_shutdown_closes_the_run(settings):
+    app = create_app(settings)
+    async with (
+        app.router.lifespan_context(app),
+        httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost/api/v1") as http,
+    ):
+        while (await http.get("/health")).json()["status"] == "preparing":
+            pass
+        assert (await http.post("/mission/commands", json={"command": "capture"})).status_code == 200
+        run_id = (await http.get("/mission")).json()["run_id"]
+    reader = RunStore(settings.data_dir / "runs").read(run_id)
+    assert reader.record.status == "cancelled"
+    assert reader.tick_count > 1
+
+
+async def test_run_of_a_dead_process_is_recovered(settings, console):
+    store = RunStore(settings.data_dir / "runs")
+    record = new_record("live", "published", named_configuration("published"))
+    store.create(record)  # running, and nobody holds its folder
+    ticks = np.zeros(10, TICK)
+    ticks["tick"], ticks["time"] = np.arange(10), np.arange(10) * 1e-3
+    content = ticks.tobytes()
+    (store.root / record.id / "ticks.bin").write_bytes(content[:-100])  # cut short in the middle of a tick
+    run = (await console.http.get(f"/runs/{record.id}")).json()
+    assert run["status"] == "failed"
+    assert "recovered" in run["note"]
+    assert run["ticks"] == 9
+
+
+async def test_run_of_another_living_process_is_left_alone(settings, console):
+    store = RunStore(settings.data_dir / "runs")
+    record = new_record("live", "published", named_configuration("published"))
+    store.create(record)
+    writer = RunWriter(store.root / record.id, record)
+    assert (await console.http.get(f"/runs/{record.id}")).json()["status"] == "running"
+    writer.close(status="finished")
+    assert (await console.http.get(f"/runs/{record.id}")).json()["status"] == "finished"
+
+
+def test_kill_9_loses_less_than_a_second(tmp_path):
+    environment = {**os.environ, "BECALM_DATA_DIR": str(tmp_path)}
+    command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        url = re.search(r"http://\S+", process.stdout.readline())[0] + "api/v1"
+        with httpx.Client(base_url=url) as http:
+            _wait(lambda: http.get("/health").json()["status"] == "ok")
+            http.post("/mission/commands", json={"command": "capture"}).raise_for_status()
+            _wait(lambda: http.get("/mission").json()["time"] > 1.5)
+            last = http.get("/mission").json()
+        process.kill()
+    reader = RunStore(tmp_path / "runs").read(last["run_id"])
+    assert reader.record.status == "failed"
+    assert "recovered" in reader.record.note
+    assert reader.last_tick()["time"][0] > last["time"] - 1.0
+
+
+def _wait(fits) -> None:
+    deadline = time.monotonic() + 60
+    while not fits():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+async def test_console_is_served_with_its_caching(tmp_path):
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "index.html").write_text("<title>Becalm</title>")
+    (tmp_path / "assets" / "index-1a2b.js").write_text("1")
+    app = FastAPI()
+    serve_console(app, tmp_path)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as http:
+        page, script = await http.get("/"), await http.get("/assets/index-1a2b.js")
+    assert "Becalm" in page.text
+    assert page.headers["cache-control"] == "no-cache"
+    assert "immutable" in script.headers["cache-control"]
+
+
+async def test_service_without_a_built_console_says_so(tmp_path):
+    app = FastAPI()
+    serve_console(app, tmp_path)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as http:
+        assert (await http.get("/")).status_code == 503
+        assert (await http.get("/docs")).status_code == 200
+
+
+async def test_service_starts_with_changes(tmp_path):
+    settings = Settings(data_dir=tmp_path, changes={"target": {"initial_spin": 0.6}})
+    app = create_app(settings)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost/api/v1") as http:
+        body = (await http.get("/mission/config")).json()
+    assert body["edited"] == {"target.initial_spin": {"from": 1.0, "to": 0.6}}

@@ -1,0 +1,139 @@
+"""Telemetry: what a client gets on joining and afterwards, and what a slow one cannot do to others."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+
+import httpx
+import numpy as np
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+
+PATIENCE = 60.0
+
+
+async def _message(socket, kind: str) -> dict:
+    async with asyncio.timeout(PATIENCE):
+        while True:
+            message = json.loads(await socket.recv())
+            if message["type"] == kind:
+                return message
+
+
+async def _command(served, command: str, **fields) -> None:
+    async with httpx.AsyncClient() as http:
+        answer = await http.post(f"{served.api}/mission/commands", json={"command": command, **fields})
+    assert answer.status_code == 200, answer.text
+
+
+async def _ready(served) -> None:
+    async with connect(served.telemetry) as watcher:
+        await _message(watcher, "snapshot")
+
+
+async def test_joining_gets_hello_history_and_snapshots(served):
+    async with connect(f"{served.telemetry}?rate=30") as watcher:
+        hello = await _message(watcher, "hello")
+        history = await _message(watcher, "history")
+        first = await _message(watcher, "snapshot")
+        second = await _message(watcher, "snapshot")
+    assert hello["rate"] == 30
+    assert all(len(row) == len(history["columns"]) for row in history["rows"])
+    assert second["tick"] > first["tick"]
+    assert first["run_id"]
+
+
+async def test_snapshot_is_what_rest_gives(served):
+    await _ready(served)
+    await _command(served, "pause")
+    async with connect(served.telemetry) as watcher, httpx.AsyncClient() as http:
+        sent = await _message(watcher, "snapshot")
+        got = (await http.get(f"{served.api}/mission")).json()
+    for volatile in ("type", "plant"):
+        sent.pop(volatile)
+        got.pop(volatile, None)
+    assert sent == got
+
+
+async def test_late_browser_sees_the_mission_so_far(served):
+    await _ready(served)
+    await _command(served, "run", speed=0)
+    await _command(served, "capture")
+    async with connect(served.telemetry) as watcher:
+        while (await _message(watcher, "snapshot"))["outcome"] is None:
+            pass
+    async with connect(served.telemetry) as late:
+        history = await _message(late, "history")
+        snapshot = await _message(late, "snapshot")
+    names = [column["name"] for column in history["columns"]]
+    times = [row[names.index("mission.time")] for row in history["rows"]]
+    forces = [row[names.index("right.hand_wrench.x")] for row in history["rows"]]
+    assert 500 < len(times) <= 3000
+    assert times == sorted(times)
+    assert times[0] < 0.1
+    assert times[-1] > snapshot["outcome"]["duration"] - 1
+    assert any(forces)
+
+
+async def test_events_and_reset_are_sent(served):
+    async with connect(served.telemetry) as watcher:
+        await _message(watcher, "snapshot")
+        await _command(served, "capture")
+        command = await _message(watcher, "event")
+        phase = await _message(watcher, "event")
+        await _command(served, "reset")
+        reset = await _message(watcher, "reset")
+        snapshot = await _message(watcher, "snapshot")
+    assert (command["kind"], command["command"], command["accepted"]) == ("command", "capture", True)
+    assert phase["kind"] == "phase"
+    assert reset["run_id"] == snapshot["run_id"]
+    assert snapshot["phase"] == "idle"
+
+
+async def test_rate_is_the_clients_choice(served):
+    async with connect(f"{served.telemetry}?rate=60") as watcher:
+        await _message(watcher, "snapshot")
+        await watcher.send(json.dumps({"type": "rate", "rate": 5}))
+        for _ in range(20):  # what was on its way
+            last = await _message(watcher, "snapshot")
+        following = [(await _message(watcher, "snapshot"))["time"] for _ in range(4)]
+    strides = np.diff([last["time"], *following])
+    assert np.median(strides) == pytest.approx(0.2, rel=0.3)  # at real time
+
+
+async def test_nonsense_from_a_client_is_ignored(served):
+    async with connect(served.telemetry) as watcher:
+        for nonsense in ("", "[]", "null", '{"type": "rate"}', '{"type": "ack", "tick": "x"}', "{" * 5000):
+            await watcher.send(nonsense)
+        first = await _message(watcher, "snapshot")
+        assert (await _message(watcher, "snapshot"))["tick"] > first["tick"]
+
+
+async def test_a_client_that_never_reads_delays_nobody(served):
+    await _ready(served)
+    handshake = (
+        f"GET /api/v1/telemetry HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nUpgrade: websocket\r\n"
+        "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    )
+    with socket.socket() as deaf:
+        deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        deaf.connect(("127.0.0.1", served.port))
+        deaf.sendall(handshake.encode())
+        async with connect(served.telemetry) as watcher:
+            await _message(watcher, "snapshot")
+            started = asyncio.get_running_loop().time()
+            for _ in range(90):
+                await _message(watcher, "snapshot")
+            elapsed = asyncio.get_running_loop().time() - started
+    assert elapsed < 6.0  # 1.5 s at full rate, on a machine that has nothing else to do
+
+
+async def test_page_of_another_site_is_refused(served):
+    with pytest.raises(InvalidStatus) as refusal:
+        await connect(served.telemetry, origin="http://elsewhere.example")
+    assert refusal.value.response.status_code == 403
+    async with connect(served.telemetry, origin=f"http://127.0.0.1:{served.port}") as watcher:
+        await _message(watcher, "hello")

@@ -1,0 +1,161 @@
+"""The real service in a process of its own, and the distribution's Chromium to look at it with."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+
+CONSOLE = Path(__file__).parents[2] / "server" / "static" / "index.html"
+ARTIFACTS = Path(__file__).parents[2] / "test-artifacts"
+PREPARING_TIME = 300.0
+"""The controller may have to be compiled first, on a machine that does other things too [s]."""
+
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+"""No sandbox within a container, and no calls to anyone."""
+
+expect.set_options(timeout=20_000)
+
+
+@dataclass
+class Service:
+    """A running `becalm serve`."""
+
+    address: str
+    process: subprocess.Popen[bytes]
+
+    def ask(self, path: str, body: dict[str, Any] | None = None) -> Any:
+        """GET, or POST if there is a body; the JSON answer."""
+        data = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json"}
+        request = urllib.request.Request(f"{self.address}/api/v1{path}", data, headers)
+        with urllib.request.urlopen(request, timeout=10) as answer:
+            return json.loads(answer.read())
+
+
+def _free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+def _wait_until_ready(service: Service) -> None:
+    deadline = time.monotonic() + PREPARING_TIME
+    status = "no answer"
+    while time.monotonic() < deadline:
+        assert service.process.poll() is None, f"becalm serve ended with {service.process.returncode}"
+        try:
+            status = service.ask("/health")["status"]
+        except OSError:
+            status = "no answer"
+        if status == "ok":
+            return
+        time.sleep(0.25)
+    pytest.fail(f"becalm serve is not ready after {PREPARING_TIME:g} s: {status}")
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """`becalm serve` on a free port with a data folder of its own, ready to fly."""
+    assert CONSOLE.exists(), "the console is not built: pip install -e . builds it into server/static"
+    port = _free_port()
+    environment = {**os.environ, "BECALM_DATA_DIR": str(tmp_path_factory.mktemp("data"))}
+    log = (tmp_path_factory.mktemp("log") / "serve.log").open("wb")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "becalm", "serve", "--port", str(port)], env=environment, stdout=log, stderr=log
+    )
+    running = Service(f"http://127.0.0.1:{port}", process)
+    try:
+        _wait_until_ready(running)
+        yield running
+    finally:
+        process.terminate()
+        process.wait(timeout=20)
+        log.close()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Headless Chromium, from $CHROMIUM or the distribution."""
+    executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
+    if executable is None:
+        pytest.skip("no Chromium: tests/browser/install_browser.sh installs one, or set CHROMIUM to its path")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
+        yield chromium
+        chromium.close()
+
+
+PRESSES = 20
+"""A page that draws the scene in software may be held up; it then rightly holds commands back for a moment."""
+
+
+def press(console: Page, command: str) -> None:
+    """Press a command's button and see it accepted; again if the page held it back because its data were old."""
+    button = console.get_by_role("button", name=command, exact=True)
+    answer = console.locator("[data-verdict]")
+    for _ in range(PRESSES):
+        expect(button).to_have_attribute("aria-disabled", "false")
+        button.click()
+        expect(answer).to_have_attribute("data-verdict", re.compile("accepted|refused|unknown"))
+        if "data are old" not in answer.inner_text():
+            break
+    expect(answer).to_contain_text(f"{command} accepted")
+
+
+@contextmanager
+def _opened_console(browser: Browser, service: Service, name: str, *, scene: bool) -> Iterator[Page]:
+    """The console on a mission that has just been reset; what it looked like at the end is kept."""
+    service.ask("/mission/commands", {"command": "reset", "configuration": "published_figures"})
+    service.ask("/mission/commands", {"command": "run", "speed": 1})
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
+    # Software has to draw the scene here; in full detail it would leave the page no time.
+    context.add_init_script("localStorage.setItem('becalm-scene', 'light')")
+    if not scene:
+        context.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
+    page = context.new_page()
+    failures: list[str] = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(service.address)
+    expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
+    yield page
+    ARTIFACTS.mkdir(exist_ok=True)
+    page.screenshot(path=ARTIFACTS / f"{name}.png")
+    context.close()
+    assert not failures, f"the page threw: {failures}"
+
+
+@pytest.fixture
+def console(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Page]:
+    """The console without its 3D scene, which costs seconds where there is no graphics card."""
+    with _opened_console(browser, service, request.node.name, scene=False) as page:
+        yield page
+
+
+@pytest.fixture
+def whole_console(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Page]:
+    """The console as an operator sees it."""
+    with _opened_console(browser, service, request.node.name, scene=True) as page:
+        yield page

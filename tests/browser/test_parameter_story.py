@@ -1,0 +1,44 @@
+"""The impedance is edited in stages: seen as differences, bounded at the field, applied together."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from .conftest import Service, press
+
+pytestmark = pytest.mark.browser
+
+
+def test_edits_are_staged_bounded_and_applied_together(console: Page, service: Service) -> None:
+    form = console.locator("section", has=console.get_by_role("heading", name="Parameters"))
+
+    def field(name: str) -> Locator:
+        return form.get_by_label(name).first
+
+    before = service.ask("/mission/config")["config"]["control"]["impedance"]
+    field("Mass").fill("0")
+    field("Damping").fill("3")
+    staged = console.get_by_role("region", name="Staged changes")
+    expect(console.get_by_text("must be greater than 0 kg")).to_be_visible()
+    expect(staged.get_by_role("button", name="Apply")).to_be_disabled()
+    assert service.ask("/mission/config")["config"]["control"]["impedance"] == before
+
+    field("Mass").fill("0.3")
+    expect(staged).to_contain_text("2 changes staged")
+    staged.get_by_role("button", name="Apply").click()
+    expect(staged).to_be_hidden()
+    expect(console.get_by_text("published_figures (edited)")).to_be_visible()
+    after = service.ask("/mission/config")["config"]["control"]["impedance"]
+    assert (after["mass"], after["damping"], after["stiffness"]) == (0.3, 3.0, before["stiffness"])
+
+
+def test_a_parameter_that_takes_a_reset_is_refused_at_its_field(console: Page) -> None:
+    press(console, "Detumble")
+    console.get_by_label("Search parameters").fill("target initial spin")
+    console.get_by_label("Initial spin").fill("1.2")
+    staged = console.get_by_role("region", name="Staged changes")
+    staged.get_by_role("button", name="Apply").click()
+    expect(staged.get_by_role("alert")).to_contain_text("target.initial_spin")
+    staged.get_by_role("button", name="Discard").click()
+    expect(staged).to_be_hidden()

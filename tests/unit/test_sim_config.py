@@ -1,0 +1,194 @@
+"""Every number that a person may choose: unit, bounds, source; what is refused and how it is said."""
+
+from __future__ import annotations
+
+import enum
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
+from sim.configurations import NAMED_CONFIGURATIONS, nested, revised
+from sim.errors import ConfigError
+
+UNITS = {"m", "s", "kg", "kg m2", "N", "N m", "N/m", "N s/m", "rad", "rad/s", "m/s", "m2", "1", "1/s", "1/s2"}
+BOUNDS = ("ge", "gt", "le", "lt")
+NUMBERS = [path for path, field in PARAMETERS.items() if field.annotation in (float, int)]
+CHOICES = [path for path in PARAMETERS if path not in NUMBERS]
+OUT_OF_HARMS_WAY = {"target.initial_x", "target.initial_y", "target.side"}
+"""Not varied at random: a target may then overlap the robot, which is refused for its own reason."""
+
+
+def bounds_of(path: str) -> dict[str, float]:
+    return {name: getattr(part, name) for part in PARAMETERS[path].metadata for name in BOUNDS if hasattr(part, name)}
+
+
+class TestEveryParameter:
+    @pytest.mark.parametrize("path", PARAMETERS)
+    def test_has_unit_source_and_description(self, path):
+        field = PARAMETERS[path]
+        assert field.json_schema_extra["unit"] in UNITS
+        assert len(field.json_schema_extra["source"]) > 4
+        assert len(field.description) > 1
+        assert isinstance(field.json_schema_extra["live"], bool)
+
+    @pytest.mark.parametrize("path", NUMBERS)
+    def test_number_has_a_lower_and_an_upper_bound_that_hold_its_default(self, path):
+        bounds = bounds_of(path)
+        assert bounds.keys() & {"ge", "gt"}, "no lower bound"
+        assert bounds.keys() & {"le", "lt"}, "no upper bound"
+        value = value_at(MissionConfig(), path)
+        assert bounds.get("ge", -math.inf) <= value <= bounds.get("le", math.inf)
+        assert bounds.get("gt", -math.inf) < value < bounds.get("lt", math.inf)
+
+    @pytest.mark.parametrize("path", CHOICES)
+    def test_choice_is_an_enumeration(self, path):
+        assert issubclass(PARAMETERS[path].annotation, enum.StrEnum)
+
+    def test_a_default_that_is_chosen_says_why(self):
+        for path, field in PARAMETERS.items():
+            source = field.json_schema_extra["source"]
+            if source.startswith("chosen") and path != "simulation.seed":
+                assert source.startswith("chosen: "), path
+
+    def test_geometry_and_numerics_are_not_live_and_the_impedance_is(self):
+        live = {path for path in PARAMETERS if is_live(path)}
+        assert {f"control.impedance.{name}" for name in ("mass", "damping", "stiffness")} <= live
+        assert not [path for path in live if path.startswith(("robot.", "target.", "simulation.", "contact."))]
+
+
+class TestRefusal:
+    """A bad value is named with field, value, bound and unit."""
+
+    @pytest.mark.parametrize("path", NUMBERS)
+    @pytest.mark.parametrize("side", ["below", "above"])
+    def test_of_a_value_beyond_its_bound(self, path, side):
+        bounds = bounds_of(path)
+        names = ("ge", "gt") if side == "below" else ("le", "lt")
+        bound = next(bounds[name] for name in names if name in bounds)
+        step = 1 if PARAMETERS[path].annotation is int else max(1e-3, 1e-3 * abs(bound))
+        value = bound - step if side == "below" else bound + step
+        with pytest.raises(ConfigError) as refusal:
+            revised(MissionConfig(), nested({path: value}))
+        message = str(refusal.value)
+        assert f"{path} = " in message
+        assert repr(value) in message or f"{value:g}" in message
+        assert any(sign in message for sign in ("greater than", "less than"))
+        unit = PARAMETERS[path].json_schema_extra["unit"]
+        assert unit == "1" or f"[{unit}]" in message
+
+    @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+    @pytest.mark.parametrize("path", ["target.mass", "control.impedance.damping", "target.initial_x"])
+    def test_of_what_is_not_a_finite_number(self, path, value):
+        with pytest.raises(ConfigError, match=path):
+            revised(MissionConfig(), nested({path: value}))
+
+    @pytest.mark.parametrize("value", ["heavy", None, [1.0], {"a": 1}, True])
+    def test_of_what_is_not_a_number(self, value):
+        with pytest.raises(ConfigError, match=r"target\.mass"):
+            revised(MissionConfig(), nested({"target.mass": value}))
+
+    @pytest.mark.parametrize("value", [1.5, "7"])
+    def test_of_what_is_not_a_whole_number(self, value):
+        with pytest.raises(ConfigError, match=r"simulation\.seed"):
+            revised(MissionConfig(), nested({"simulation.seed": value}))
+
+    def test_of_an_unknown_field_names_the_nearest(self):
+        with pytest.raises(ConfigError, match=r"control\.impedance\.dampign.*did you mean control\.impedance\.damping"):
+            revised(MissionConfig(), nested({"control.impedance.dampign": 3.0}))
+
+    def test_of_an_unknown_choice_names_those_there_are(self):
+        with pytest.raises(ConfigError, match=r"contact\.corner = 'round'.*face.*radial"):
+            revised(MissionConfig(), nested({"contact.corner": "round"}))
+
+    def test_of_several_at_once_names_each(self):
+        with pytest.raises(ConfigError) as refusal:
+            revised(MissionConfig(), nested({"target.mass": -1.0, "control.impedance.mass": 0.0}))
+        assert "target.mass = -1.0" in str(refusal.value)
+        assert "control.impedance.mass = 0.0" in str(refusal.value)
+
+    @pytest.mark.parametrize("step", [0.3e-3, 0.7e-3, 2e-3])
+    def test_of_a_step_that_does_not_divide_the_control_period(self, step):
+        with pytest.raises(ConfigError, match=rf"simulation\.time_step = {step:g} s does not divide control\.period"):
+            revised(MissionConfig(), nested({"simulation.time_step": step}))
+
+    @pytest.mark.parametrize("parts", [1, 2, 3, 4, 7, 10])
+    def test_whole_fractions_of_the_period_are_accepted(self, parts):
+        config = revised(MissionConfig(), nested({"simulation.time_step": 1e-3 / parts}))
+        assert config.steps_per_tick == parts
+
+    def test_of_a_target_that_overlaps_the_robot(self):
+        with pytest.raises(
+            ConfigError, match=r"target\.initial_y = 0\.1 m: the target overlaps the robot's base by .* mm"
+        ) as refusal:
+            revised(MissionConfig(), nested({"target.initial_y": 0.1}))
+        assert refusal.value.tip
+
+    def test_of_a_change_to_what_is_frozen(self):
+        with pytest.raises(ValidationError, match="frozen"):
+            MissionConfig().target.mass = 3.0
+
+
+numbers = st.sampled_from(
+    [
+        path
+        for path in NUMBERS
+        if path not in OUT_OF_HARMS_WAY
+        and not path.startswith(("robot.base", "robot.arm", "simulation.time_step", "control.period"))
+    ]
+)
+
+
+@st.composite
+def good_changes(draw):
+    """A few parameters, each at some value within its bounds."""
+    changes = {}
+    for path in draw(st.lists(numbers, max_size=4, unique=True)):
+        bounds = bounds_of(path)
+        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        if PARAMETERS[path].annotation is int:
+            changes[path] = draw(st.integers(int(low), int(high)))
+        else:
+            changes[path] = draw(st.floats(low, high, exclude_min="gt" in bounds, exclude_max="lt" in bounds))
+    return changes
+
+
+class TestProperties:
+    @settings(deadline=None, max_examples=60)
+    @given(good_changes())
+    def test_what_is_within_bounds_is_taken_and_told_as_a_difference(self, changes):
+        config = revised(MissionConfig(), nested(changes))
+        for path, value in changes.items():
+            assert value_at(config, path) == value
+        different = {path for path, value in changes.items() if value != value_at(MissionConfig(), path)}
+        assert set(differences(MissionConfig(), config)) == different
+
+    @settings(deadline=None, max_examples=60)
+    @given(good_changes())
+    def test_json_there_and_back_changes_nothing(self, changes):
+        config = revised(MissionConfig(), nested(changes))
+        assert MissionConfig.model_validate_json(config.model_dump_json()) == config
+
+    @settings(deadline=None, max_examples=60)
+    @given(good_changes())
+    def test_a_revision_without_changes_is_the_same(self, changes):
+        config = revised(MissionConfig(), nested(changes))
+        assert revised(config, {}) == config
+        assert revised(revised(config, nested(changes)), {}) == config
+
+    @settings(deadline=None, max_examples=60)
+    @given(good_changes())
+    def test_a_difference_undone_is_gone(self, changes):
+        config = revised(MissionConfig(), nested(changes))
+        back = {path: old for path, (old, _) in differences(MissionConfig(), config).items()}
+        assert revised(config, nested(back)) == MissionConfig()
+
+
+@pytest.mark.parametrize("name", list(NAMED_CONFIGURATIONS))
+def test_named_configurations_survive_json(name):
+    config = NAMED_CONFIGURATIONS[name]
+    assert MissionConfig.model_validate_json(config.model_dump_json()) == config
+    assert revised(config, {}) == config

@@ -1,0 +1,182 @@
+"""The named configurations, files, and settings as the command line gives them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from sim.config import MissionConfig, differences, value_at
+from sim.configurations import (
+    DEFAULT_CONFIGURATION,
+    NAMED_CONFIGURATIONS,
+    merged,
+    named_configuration,
+    nested,
+    parse_setting,
+    read_config_file,
+    revised,
+)
+from sim.errors import ConfigError
+
+COMPUTED_WITH = {
+    "contact.friction": 0.3,
+    "contact.stiffness": 800.0,
+    "contact.damping": 2.0,
+    "control.touch.contact_position": 0.75,
+    "control.touch.hand_tilt": math.radians(5),
+    "control.touch.target_tilt": math.radians(18),
+    "control.touch.minimum_approach_time": 1.0,
+    "control.touch.wait_margin": 1.03,
+    "control.touch.contact_time_factor": 0.8,
+    "control.touch.absorb_time": 0.35,
+    "control.touch.admittance_fraction": 0.8,
+    "control.touch.idle_arm_distance_factor": 1.2,
+    "control.touch.idle_arm_joint_limit": math.radians(30),
+    "control.caging.spin_threshold": 0.5,
+    "control.caging.switching_delay": 0.5,
+    "control.caging.slow_spin": 0.3,
+    "control.caging.capture_margin": 1.05,
+    "control.caging.capture_time": 0.6,
+    "control.caging.direct_capture_time": 0.5,
+    "control.impedance.mass": 0.1,
+    "control.impedance.damping": 1.5,
+    "control.impedance.stiffness": 10.0,
+    "control.period": 1e-3,
+    "robot.arm.link_1.centre_of_mass": 0.22098,
+    "robot.arm.link_2.length": 0.180,
+    "robot.servo.time_constant": 1e-3,
+    "robot.servo.torque_limit": 10.0,
+    "judging.force_bound": 1.12969,
+    "judging.ejection_distance": 0.6,
+    "judging.time_limit": 45.0,
+    "judging.relative_spin_limit": 0.5,
+    "judging.relative_speed_limit": 0.1,
+    "target.initial_spin": 1.0,
+    "target.initial_y": 0.350,
+}
+"""docs/method.md, "Constants: computed with, against printed"."""
+
+PRINTED = {
+    "contact.friction": 0.1,
+    "control.touch.contact_position": 0.8,
+    "control.touch.hand_tilt": 0.175,
+    "control.touch.target_tilt": 0.175,
+    "robot.arm.link_1.centre_of_mass": 0.229,
+    "robot.arm.link_2.length": 0.175,
+    "robot.base.mass": 8.31,
+    "robot.base.inertia": 0.135,
+    "target.mass": 2.35,
+    "target.inertia": 9.33e-3,
+}
+
+
+def test_published_is_the_default_and_what_was_computed_with():
+    assert DEFAULT_CONFIGURATION == "published"
+    published = named_configuration("published")
+    assert published == MissionConfig()
+    assert {path: value_at(published, path) for path in COMPUTED_WITH} == COMPUTED_WITH
+
+
+def test_as_printed_has_the_papers_tables():
+    as_printed = named_configuration("as_printed")
+    assert {path: value_at(as_printed, path) for path in PRINTED} == PRINTED
+
+
+def test_as_printed_differs_in_nothing_but_the_tables():
+    different = differences(named_configuration("published"), named_configuration("as_printed"))
+    assert PRINTED.keys() <= different.keys()
+    assert all(path.startswith(("robot.", "target.", "contact.", "control.touch.")) for path in different)
+
+
+def test_published_figures_differs_in_the_impedance_alone():
+    assert differences(named_configuration("published"), named_configuration("published_figures")) == {
+        "control.impedance.mass": (0.1, 0.2),
+        "control.impedance.damping": (1.5, 0.1),
+        "control.impedance.stiffness": (10.0, 0.1),
+    }
+
+
+def test_an_unknown_name_is_refused_with_those_there_are():
+    with pytest.raises(ConfigError, match="'gentle' is unknown; there are published, as_printed, published_figures"):
+        named_configuration("gentle")
+
+
+@pytest.mark.parametrize("name", list(NAMED_CONFIGURATIONS))
+def test_names_give_what_they_are_listed_with(name):
+    assert named_configuration(name) is NAMED_CONFIGURATIONS[name]
+
+
+def test_nested_gathers_paths_by_group():
+    assert nested({"a.b": 1, "a.c.d": 2, "e": 3}) == {"a": {"b": 1, "c": {"d": 2}}, "e": 3}
+
+
+def test_merged_lays_changes_over_and_leaves_the_first_alone():
+    tree = {"a": {"b": 1, "c": 2}, "d": 3}
+    assert merged(tree, {"a": {"c": 5}, "d": 4}) == {"a": {"b": 1, "c": 5}, "d": 4}
+    assert tree == {"a": {"b": 1, "c": 2}, "d": 3}
+
+
+class TestSettings:
+    @pytest.mark.parametrize(
+        ("setting", "value"),
+        [
+            ("control.impedance.damping=3.0", 3.0),
+            ("control.impedance.damping = 3", 3),
+            ("contact.corner=radial", "radial"),
+            ("contact.corner='radial'", "'radial'"),
+            ("simulation.seed=7", 7),
+            ("target.initial_spin=-1e-1", -0.1),
+        ],
+    )
+    def test_are_read_as_json_or_as_a_word(self, setting, value):
+        path = setting.partition("=")[0].strip()
+        assert parse_setting(setting) == nested({path: value})
+
+    def test_without_a_value_are_refused(self):
+        with pytest.raises(ConfigError, match="has no value; write PATH=VALUE"):
+            parse_setting("control.impedance.damping")
+
+    def test_of_an_unknown_path_are_refused_with_the_nearest(self):
+        with pytest.raises(ConfigError, match=r"did you mean control\.impedance\.damping\?"):
+            parse_setting("control.impedence.damping=3")
+
+    def test_are_checked_when_they_are_applied(self):
+        with pytest.raises(ConfigError, match=r"target\.mass = -1: .*greater than 0 \[kg\]"):
+            revised(MissionConfig(), parse_setting("target.mass=-1"))
+
+
+class TestFiles:
+    def test_toml(self, tmp_path):
+        file = tmp_path / "gentle.toml"
+        file.write_text("[control.impedance]\ndamping = 3.0\n", encoding="utf-8")
+        assert revised(MissionConfig(), read_config_file(file)).control.impedance.damping == 3.0
+
+    def test_json(self, tmp_path):
+        file = tmp_path / "whole.json"
+        file.write_text(named_configuration("as_printed").model_dump_json(), encoding="utf-8")
+        assert revised(MissionConfig(), read_config_file(file)) == named_configuration("as_printed")
+
+    def test_that_is_missing(self, tmp_path):
+        with pytest.raises(ConfigError, match=r"none\.toml.*No such file"):
+            read_config_file(tmp_path / "none.toml")
+
+    @pytest.mark.parametrize(("name", "text"), [("bad.toml", "a = = 1"), ("bad.json", "{"), ("binary.toml", "\x00")])
+    def test_that_does_not_parse(self, tmp_path, name, text):
+        file = tmp_path / name
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(ConfigError, match="does not parse"):
+            read_config_file(file)
+
+    def test_that_is_not_text(self, tmp_path):
+        file = tmp_path / "noise.toml"
+        file.write_bytes(b"\xff\xfe\x00\x9f")
+        with pytest.raises(ConfigError, match="does not parse"):
+            read_config_file(file)
+
+    def test_that_holds_no_table(self, tmp_path):
+        file = tmp_path / "list.json"
+        file.write_text(json.dumps([1, 2]), encoding="utf-8")
+        with pytest.raises(ConfigError, match="holds no table"):
+            read_config_file(file)
