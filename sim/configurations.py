@@ -138,9 +138,9 @@ def explained(error: ValidationError) -> str:
     for finding in error.errors(include_url=False):
         path = ".".join(str(part) for part in finding["loc"])
         if finding["type"] == "extra_forbidden":
-            lines.append(f"{path} is not a parameter{_nearest(path)}")
+            lines.append(unknown_parameter(path))
         elif path and path in PARAMETERS:
-            lines.append(f"{path} = {finding['input']!r}: {finding['msg']}{_unit(path)}")
+            lines.append(f"{path} = {finding['input']!r}: {finding['msg']}{bracketed_unit(path)}")
         elif path:
             lines.append(f"{path} = {finding['input']!r}: {finding['msg']}")
         else:
@@ -148,18 +148,20 @@ def explained(error: ValidationError) -> str:
     return "; ".join(lines)
 
 
-def _unit(path: str) -> str:
+def bracketed_unit(path: str) -> str:
+    """The unit of that parameter as a message ends with it; nothing for a pure number or a choice."""
     unit = PARAMETERS[path].json_schema_extra["unit"]
     return "" if unit == "1" else f" [{unit}]"
 
 
-def _nearest(path: str) -> str:
+def unknown_parameter(path: str) -> str:
+    """That no parameter has this path, and which one may be meant."""
     close = difflib.get_close_matches(path, PARAMETERS, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+    return f"{path} is not a parameter" + (f"; did you mean {close[0]}?" if close else "")
 
 
-def read_config_file(path: Path) -> dict[str, Any]:
-    """The nested mapping in a TOML or JSON file.
+def read_config_file(path: Path, kind: str = "config file") -> dict[str, Any]:
+    """The nested mapping in a TOML or JSON file; messages call it by its kind.
 
     Raises:
         ConfigError: the file is missing, is neither, or does not parse.
@@ -169,11 +171,11 @@ def read_config_file(path: Path) -> dict[str, Any]:
         text = path.read_text(encoding="utf-8")
         tree = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except OSError as error:
-        raise ConfigError(f"config file {str(path)!r}: {error.strerror}") from None
+        raise ConfigError(f"{kind} {str(path)!r}: {error.strerror}") from None
     except ValueError as error:
-        raise ConfigError(f"config file {str(path)!r} does not parse: {error}") from None
+        raise ConfigError(f"{kind} {str(path)!r} does not parse: {error}") from None
     if not isinstance(tree, dict):
-        raise ConfigError(f"config file {str(path)!r} holds no table of parameters")
+        raise ConfigError(f"{kind} {str(path)!r} holds no table")
     return tree
 
 
@@ -189,7 +191,7 @@ def parse_setting(setting: str) -> dict[str, Any]:
     if not equals:
         raise ConfigError(f"--set {setting!r} has no value; write PATH=VALUE, such as control.impedance.damping=3.0")
     if path not in PARAMETERS:
-        raise ConfigError(f"--set {path} is not a parameter{_nearest(path)}")
+        raise ConfigError(f"--set {unknown_parameter(path)}")
     try:
         value = json.loads(text)
     except ValueError:

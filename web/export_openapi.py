@@ -15,12 +15,17 @@ from pathlib import Path
 from server.app import create_app
 from server.settings import Settings
 
+API_VERSION = "v1"
+"""In place of the release, which would make the document old with every one."""
+
 DOCUMENT = Path(__file__).with_name("openapi.json")
 
 
 def openapi_document() -> str:
-    """The service's OpenAPI document as it is committed: sorted, so that a difference is a change."""
-    return json.dumps(create_app(Settings()).openapi(), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+    """The service's OpenAPI document as it is committed: sorted, so that a difference is a change of the API."""
+    document = create_app(Settings()).openapi()
+    document["info"]["version"] = API_VERSION
+    return json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
 
 
 def main(arguments: list[str]) -> int:

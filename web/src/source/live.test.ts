@@ -123,8 +123,10 @@ describe("live telemetry", () => {
   it("acknowledges what it has read", () => {
     const { sockets } = opened();
     sockets[0]?.tell({ type: "snapshot", tick: 7, time: 0.007, run_id: "a" });
+    sockets[0]?.tell({ type: "snapshot", tick: 8, time: 0.008, run_id: "a" });
     vi.advanceTimersByTime(300);
-    expect(sockets[0]?.sent).toContain(JSON.stringify({ type: "ack", tick: 7 }));
+    sockets[0]?.tell({ type: "snapshot", tick: 9, time: 0.009, run_id: "a" });
+    expect(sockets[0]?.sent).toEqual([7, 9].map((tick) => JSON.stringify({ type: "ack", tick })));
   });
 });
 

@@ -4,11 +4,13 @@ import { samplesOfTable, type Sample, type Table } from "../store/quantities";
 import { waitBefore } from "./backoff";
 import type { Sink, Source } from "./source";
 
-/** Silence after which an open socket is taken for dead, in milliseconds. */
-const SILENCE = 3000;
+/** Milliseconds between two looks whether anything has come. */
 const CHECK_PERIOD = 250;
-/** Checks that come this late, in milliseconds, mean that the browser was busy or asleep. */
-const HELD_UP = 600;
+/** An open socket on which nothing came between so many looks is dead. Looks are counted and not time, so that a
+ * browser that was itself held up does not take its own pause for the service's. */
+const SILENT_CHECKS = 12;
+/** Milliseconds between two acknowledgements, by which the service knows that this page is not stuck. */
+const ACKNOWLEDGE_PERIOD = 250;
 /** Mission time between two snapshots beyond which the history is asked for what lay between. */
 const GAP = 0.1;
 /** Milliseconds between two such questions. */
@@ -49,7 +51,6 @@ export class LiveSource implements Source {
 
 class Connection {
   private socket: Socket | null = null;
-  private opened = false;
   private attempt = 0;
   /** The run whose mission is told. */
   private run = "";
@@ -57,8 +58,8 @@ class Connection {
   private ended = false;
   private retry: ReturnType<typeof setTimeout> | undefined;
   private watchdog: ReturnType<typeof setInterval> | undefined;
-  private lastFrameAt = 0;
-  private checkedAt = 0;
+  private silentChecks = 0;
+  private acknowledgedAt = -Infinity;
   private lastTime = Number.NaN;
   private gapSince: number | null = null;
   private lastTick = -1;
@@ -72,7 +73,6 @@ class Connection {
   start(): void {
     this.sink.link({ state: "connecting" });
     this.connect();
-    this.checkedAt = performance.now();
     this.watchdog = setInterval(() => {
       this.check();
     }, CHECK_PERIOD);
@@ -88,9 +88,8 @@ class Connection {
   private connect(): void {
     const socket = this.options.connect();
     this.socket = socket;
-    this.lastFrameAt = performance.now();
+    this.silentChecks = 0;
     socket.onopen = () => {
-      this.opened = true;
       this.attempt = 0;
       this.lastTime = Number.NaN;
       this.sink.link({ state: "open" });
@@ -118,23 +117,19 @@ class Connection {
   private drop(): void {
     const socket = this.socket;
     this.socket = null;
-    this.opened = false;
     if (socket === null) return;
     socket.onopen = socket.onclose = socket.onmessage = null;
     socket.close();
   }
 
   private check(): void {
-    const since = performance.now() - this.checkedAt;
-    this.checkedAt = performance.now();
-    // A browser that was itself held up has frames waiting; they speak first.
-    if (this.socket === null || since > HELD_UP) return;
-    if (performance.now() - this.lastFrameAt > SILENCE) this.lost();
-    else if (this.opened && this.lastTick >= 0) this.socket.send(JSON.stringify({ type: "ack", tick: this.lastTick }));
+    if (this.socket === null) return;
+    this.silentChecks += 1;
+    if (this.silentChecks > SILENT_CHECKS) this.lost();
   }
 
   private take(frame: Frame): void {
-    this.lastFrameAt = performance.now();
+    this.silentChecks = 0;
     switch (frame.type) {
       case "snapshot":
         this.takeSnapshot(frame);
@@ -160,7 +155,15 @@ class Connection {
     if (this.joining) this.sink.history(this.joining);
     this.joining = null;
     this.sink.snapshot(snapshot);
+    this.acknowledge(snapshot.tick);
     this.noticeGap(snapshot);
+  }
+
+  private acknowledge(tick: number): void {
+    const now = performance.now();
+    if (now - this.acknowledgedAt < ACKNOWLEDGE_PERIOD) return;
+    this.acknowledgedAt = now;
+    this.socket?.send(JSON.stringify({ type: "ack", tick }));
   }
 
   private begin(run: string): void {

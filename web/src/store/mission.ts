@@ -9,8 +9,8 @@ export const STALE_AFTER = 500;
 /** The panels follow at this pace; plots read the series at theirs. Milliseconds. */
 const PUBLISH_PERIOD = 60;
 const EVENTS_KEPT = 500;
-/** Looks that come this late, in milliseconds, mean that the browser was busy or asleep. */
-const HELD_UP = 350;
+/** A browser that was itself held up has frames waiting; this many looks without one are silence. */
+const SILENT_LOOKS = 3;
 
 /**
  * How much of what is on the screen may be trusted.
@@ -56,7 +56,7 @@ export class MissionStore implements Sink {
   private pending: Partial<MissionView> = {};
   private snapshotAt = -Infinity;
   private publishedAt = -Infinity;
-  private lookedAt = -Infinity;
+  private silentLooks = 0;
   private readonly listeners = new Set<Listener>();
 
   constructor(private readonly now: () => number = () => performance.now()) {}
@@ -72,6 +72,7 @@ export class MissionStore implements Sink {
 
   snapshot(snapshot: MissionSnapshot): void {
     this.snapshotAt = this.now();
+    this.silentLooks = 0;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
@@ -114,10 +115,8 @@ export class MissionStore implements Sink {
 
   /** Looks at the clock: what is shown may have grown old without anything happening. Called every tenth of a second. */
   readonly look = (): void => {
-    const since = this.now() - this.lookedAt;
-    this.lookedAt = this.now();
-    // A browser that was itself held up has frames waiting; they speak first.
-    if (since < HELD_UP) this.publish();
+    this.silentLooks += 1;
+    this.publish();
   };
 
   private change(change: Partial<MissionView>, atOnce: boolean): void {
@@ -143,7 +142,8 @@ export class MissionStore implements Sink {
   }
 
   private trustIn(view: MissionView, silence: number): Trust {
-    if (view.link.state === "open" && silence <= STALE_AFTER) return "live";
+    const silent = silence > STALE_AFTER && this.silentLooks >= SILENT_LOOKS;
+    if (view.link.state === "open" && view.snapshot !== null && !silent) return "live";
     if (view.health?.status === "preparing" && view.link.state !== "lost") return "preparing";
     return view.snapshot === null ? "connecting" : "stale";
   }

@@ -38,15 +38,18 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
   const values = useRef<(HTMLElement | null)[]>([]);
   const scale = useMemo(() => shown(definition.unit, angles), [definition, angles]);
 
+  // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
+  const decimals = Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
+
   const showValues = useCallback(
     (series: Series, row: number) => {
       definition.curves.forEach(({ quantity }, index) => {
         const value = series.at(quantity, row) * scale.factor;
         const element = values.current[index];
-        if (element) element.textContent = fixed(value, definition.decimals);
+        if (element) element.textContent = fixed(value, decimals);
       });
     },
-    [definition, scale],
+    [definition, scale, decimals],
   );
 
   useEffect(() => {

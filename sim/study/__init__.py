@@ -1,0 +1,1 @@
+"""Studies: many captures that differ in chosen parameters, flown by any executor, kept as one table."""
