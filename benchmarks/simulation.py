@@ -2,8 +2,8 @@
 
 Everything is given as a ratio, so that figures of different machines compare: simulated seconds a second of
 one core (mission.md asks for 100 over whole captures), and the share of a tick that each part takes. Times
-are the process's own (`process_time`), so that a busy neighbour counts little; the best of several rounds
-counts, for a neighbour still empties the caches.
+are the thread's own (`thread_time`), so that a busy neighbour and idle linear-algebra threads count little; the
+best of several rounds counts, for a neighbour still empties the caches.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ FIGURE = 100.0
 
 
 def best_time(action: Callable[[], Any], rounds: int = ROUNDS) -> float:
-    """Shortest process time of an action over several rounds [s]."""
+    """Shortest thread time of an action over several rounds [s]."""
     times = []
     for _ in range(rounds):
-        before = time.process_time()
+        before = time.thread_time()
         action()
-        times.append(time.process_time() - before)
+        times.append(time.thread_time() - before)
     return min(times)
 
 

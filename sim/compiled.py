@@ -1,18 +1,44 @@
-"""The one way that numeric code is compiled: numba, cached on disk, IEEE arithmetic (no fast-math)."""
+"""The one way that numeric code is compiled: numba, cached on disk, IEEE arithmetic (no fast-math).
+
+numba's own cache looks at the file of a function only, not at those of the functions that it calls; so the
+cache's folder is named by a digest of every source that compiled code comes from, and a change compiles anew.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numba
 import numpy as np
+import platformdirs
 
 FloatArray = np.ndarray[Any, np.dtype[np.float64]]
 """Double-precision array; the docstring of what takes or gives it tells its shape."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+
+_ROOMS = ("model", "control", "plant", "capture")
+"""Where compiled functions live."""
+
+
+def cache_folder() -> Path:
+    """Where compiled code of these sources lies: under NUMBA_CACHE_DIR, else the platform's cache folder."""
+    room = Path(__file__).parent
+    digest = hashlib.sha256()
+    sources = [*room.glob("*.py"), *(path for name in _ROOMS for path in (room / name).glob("*.py"))]
+    for path in sorted(sources):
+        digest.update(path.relative_to(room).as_posix().encode() + b"\0" + path.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("becalm")
+    return Path(base, f"compiled-{digest.hexdigest()[:16]}")
+
+
+numba.config.CACHE_DIR = str(cache_folder())
 
 
 def compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:

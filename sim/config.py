@@ -520,19 +520,19 @@ class SimulationConfig(ConfigModel):
         1e-3, "Physics step; divides the control period", unit="s", source="authors: 1 ms", gt=0, le=0.05
     )
     solver_iterations: WholeNumber = parameter(
-        30,
+        25,
         "Iterations of pymunk's solver",
         unit="1",
         source="measured: free flight needs 15; the blows of a capture settle from 25 on",
         ge=10,
         le=500,
     )
-    error_reduction: Number = parameter(
-        0.8,
-        "Part of a joint's position error removed in one step",
-        unit="1",
-        source="measured: base attitude within 1e-6 rad",
-        gt=0,
+    joint_error_time: Number = parameter(
+        0.0,
+        "Time constant in which a joint's position error is removed; under 1.4 ms pymunk takes one step",
+        unit="s",
+        source="measured: within one step keeps momentum best, and is stable from 15 iterations on",
+        ge=0,
         le=1,
     )
     collision_slop: Number = parameter(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sim.compiled import FloatArray, compiled
 from sim.config import CornerContact
-from sim.model.planar import point_velocity, rotated
+from sim.model.planar import point_velocity, rotated, sign
 from sim.model.target import in_target
 from sim.record import Record, code_of
 
@@ -50,10 +50,10 @@ def penetration(half_side: float, radius: float, corner: int, x: float, y: float
     if beyond_x > 0.0 and beyond_y > 0.0:
         distance = math.hypot(beyond_x, beyond_y)
         if corner == _RADIAL or distance >= radius:
-            return radius - distance, math.copysign(beyond_x / distance, x), math.copysign(beyond_y / distance, y)
+            return radius - distance, sign(x) * beyond_x / distance, sign(y) * beyond_y / distance
     if beyond_x >= beyond_y:
-        return radius - beyond_x, math.copysign(1.0, x), 0.0
-    return radius - beyond_y, 0.0, math.copysign(1.0, y)
+        return radius - beyond_x, sign(x), 0.0
+    return radius - beyond_y, 0.0, sign(y)
 
 
 @compiled

@@ -84,6 +84,14 @@ class PlantHandle(NamedTuple):
     target: TargetModel
     masses: FloatArray
     inertias: FloatArray
+    pose: FloatArray
+    """Of all bodies as last observed, shape (10, 3); only stepping the space changes it."""
+    twist: FloatArray
+    """Likewise."""
+    predicted: FloatArray
+    """Poses at the end of the step under way, shape (10, 3)."""
+    force: FloatArray
+    """Forces and torques of this step's contacts on the bodies, shape (10, 3)."""
 
 
 class PymunkPlant:
@@ -112,6 +120,10 @@ class PymunkPlant:
             target=target,
             masses=np.array([body.mass for body in self._bodies]),
             inertias=np.array([body.moment for body in self._bodies]),
+            pose=np.zeros((BODIES, 3)),
+            twist=np.zeros((BODIES, 3)),
+            predicted=np.zeros((BODIES, 3)),
+            force=np.zeros((BODIES, 3)),
         )
         observe(self.handle, self.state)
 
@@ -173,7 +185,8 @@ def _joints(
 ) -> list[tuple[pymunk.PivotJoint, pymunk.SimpleMotor]]:
     """Pivot and motor of each joint, from the base outwards: their order is part of the result."""
     simulation = config.simulation
-    error_bias = (1.0 - simulation.error_reduction) ** (1.0 / simulation.time_step)
+    # Chipmunk's bias is the part of an error that is left after a second.
+    error_bias = math.exp(-1.0 / simulation.joint_error_time) if simulation.joint_error_time else 0.0
     joints = []
     for arm in range(2):
         for link in range(LINKS):
@@ -233,7 +246,8 @@ def _solid(shape: pymunk.Shape, kind: int) -> pymunk.Shape:
 @compiled
 def observe(handle: PlantHandle, state: Record) -> None:
     """Read the bodies into the plant's state: poses, twists, joints, momentum. Wrenches are left as they are."""
-    pose, twist = _body_states(handle)
+    _read_bodies(handle)
+    pose, twist = handle.pose, handle.twist
     state.base_pose[:], state.base_twist[:] = pose[0], twist[0]
     state.target_pose[:], state.target_twist[:] = pose[TARGET], twist[TARGET]
     for arm in range(2):
@@ -271,37 +285,37 @@ def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArra
 @compiled
 def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
     dt = parameters.simulation.time_step
-    pose, twist = _body_states(handle)
-    predicted = pose + dt * twist
-    force = np.zeros((BODIES, 3))
-    touching = _tip_forces(handle, parameters, predicted, twist, force, state)
     for body in range(BODIES):
-        if touching:
-            call_vector(handle.functions[SET_FORCE], handle.bodies[body], force[body, 0], force[body, 1])
-            call_scalar(handle.functions[SET_TORQUE], handle.bodies[body], force[body, 2])
-    _drive_servos(handle, parameters, joint_rate, predicted, state, touching)
+        for axis in range(3):
+            handle.predicted[body, axis] = handle.pose[body, axis] + dt * handle.twist[body, axis]
+    touching = _tip_forces(handle, parameters, state)
+    if touching:
+        for body in range(BODIES):
+            fx, fy, torque = handle.force[body, 0], handle.force[body, 1], handle.force[body, 2]
+            call_vector(handle.functions[SET_FORCE], handle.bodies[body], fx, fy)
+            call_scalar(handle.functions[SET_TORQUE], handle.bodies[body], torque)
+    _drive_servos(handle, parameters, joint_rate, state, touching)
     call_scalar(handle.functions[STEP], handle.space, dt)
     observe(handle, state)
 
 
 @compiled
-def _body_states(handle: PlantHandle) -> tuple[FloatArray, FloatArray]:
-    """Poses and twists of all bodies, shape (10, 3) each."""
-    pose, twist = np.empty((BODIES, 3)), np.empty((BODIES, 3))
+def _read_bodies(handle: PlantHandle) -> None:
+    """Observe poses and twists of all bodies."""
+    pose, twist = handle.pose, handle.twist
     for body in range(BODIES):
         pointer = handle.bodies[body]
         pose[body, 0], pose[body, 1] = get_vector(handle.functions[POSITION], pointer)
         pose[body, 2] = get_scalar(handle.functions[ANGLE], pointer)
         twist[body, 0], twist[body, 1] = get_vector(handle.functions[VELOCITY], pointer)
         twist[body, 2] = get_scalar(handle.functions[ANGULAR_VELOCITY], pointer)
-    return pose, twist
 
 
 @compiled
-def _tip_forces(
-    handle: PlantHandle, parameters: Record, pose: FloatArray, twist: FloatArray, force: FloatArray, state: Record
-) -> bool:
-    """Contact of all four tips into the state, and as forces and torques on the bodies, shape (10, 3)."""
+def _tip_forces(handle: PlantHandle, parameters: Record, state: Record) -> bool:
+    """Contact of all four tips at the predicted poses, into the state and as forces on the bodies; whether any is."""
+    pose, twist, force = handle.predicted, handle.twist, handle.force
+    force[:] = 0.0
     touching = False
     for arm in range(2):
         body = body_of(arm, JOINTS)
@@ -344,7 +358,7 @@ def _hand_pose(robot: RobotModel, body_pose: FloatArray) -> FloatArray:
 
 @compiled
 def _drive_servos(
-    handle: PlantHandle, parameters: Record, joint_rate: FloatArray, pose: FloatArray, state: Record, touching: bool
+    handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record, touching: bool
 ) -> None:
     """Motor rates at the end of the step: a first-order lag to the command, giving way to contact wrenches.
 
@@ -354,7 +368,7 @@ def _drive_servos(
     decay = math.exp(-dt / time_constant) if time_constant > 0.0 else 0.0
     given_way = np.zeros(2 * LINKS)
     if touching and time_constant > 0.0:
-        given_way = time_constant * _acceleration(handle, parameters, pose, state)
+        given_way = time_constant * _acceleration(handle, parameters, state)
     for arm in range(2):
         for link in range(LINKS):
             driven = link < JOINTS
@@ -366,8 +380,9 @@ def _drive_servos(
 
 
 @compiled
-def _acceleration(handle: PlantHandle, parameters: Record, pose: FloatArray, state: Record) -> FloatArray:
-    """H*^-1 J*^T F at these body poses, shape (8,) [rad/s2]."""
+def _acceleration(handle: PlantHandle, parameters: Record, state: Record) -> FloatArray:
+    """H*^-1 J*^T F at the predicted poses, shape (8,) [rad/s2]."""
+    pose = handle.predicted
     joint_angle, mount_angle = np.empty((2, JOINTS)), np.empty(2)
     for arm in range(2):
         for link in range(JOINTS):

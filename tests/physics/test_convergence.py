@@ -49,8 +49,9 @@ def test_whole_first_touch_converges_with_a_radial_corner(fly):
 def test_documented_exception_the_corner_hammers_under_the_face_formula(fly):
     """Known and kept, for it is how the tables were computed: beside the corner the face formula switches faces.
 
-    The tip is thrown between two normals a right angle apart, step by step, so the peak of those last
-    contacts is decided by the step. It stays under the bound of reduced force, so the class does not change.
+    The tip is thrown between two normals a right angle apart, step by step, so the peak of those last contacts
+    follows the step: 0.87 N at 1 ms, 0.93 at 0.5 ms, 0.94 at 0.25 ms (the authors: 0.94), more than the 5 % of all
+    other peaks. It stays under the bound of reduced force, so the class does not change.
     """
     face, radial = fly("published"), fly("published", changes=RADIAL)
     at_corner = face.largest_force(HAMMERING_FROM, face.outcome.closed_at)

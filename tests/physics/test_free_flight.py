@@ -13,7 +13,7 @@ LINEAR_MOMENTUM = 1e-12
 ANGULAR_MOMENTUM = 5e-8
 """[N m s] a minute. A pivot's two anchors part by the joint drift, and its impulses by as much."""
 JOINT_DRIFT = 1e-6
-"""[m]. What `error_reduction` leaves of one step's centrifugal parting."""
+"""[m]. What the joints leave of one step's centrifugal parting."""
 BASE_ATTITUDE = 1e-6
 """[rad]. Of the reduced-coordinate reference, after a minute."""
 BASE_POSITION = 1e-6
