@@ -38,7 +38,7 @@ def cache_folder() -> Path:
     return Path(base, f"compiled-{digest.hexdigest()[:16]}")
 
 
-numba.config.CACHE_DIR = str(cache_folder())
+numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]  # numba fills its config at import
 
 
 def compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:

@@ -24,14 +24,15 @@ from sim.model.generalized_jacobian import (
     manipulability,
     momentum,
 )
+from sim.model.planar import point_velocity
 from sim.model.robot import (
     FREEDOMS,
     JOINTS,
+    LINKS,
     Chain,
     RobotModel,
     arm_jacobian,
     freedom,
-    hand_jacobian,
     tip_position,
 )
 from sim.record import Record, code_of
@@ -92,7 +93,7 @@ def command_hands(
     While the idle arm is free only the working hand is asked for, and the least rates of all six joints do it.
     """
     model = free_flying_model(robot, state.base_pose, links)
-    base_momentum = momentum(model.inertia, generalized_velocity(state))
+    base_momentum = momentum(model.momentum_matrix, generalized_velocity(state))
     one_hand = memory.activity == Activity.APPROACHING and idle_arm_is_free(
         memory, parameters, robot, state, links.hand_pose
     )
@@ -260,11 +261,17 @@ def generalized_velocity(state: Record) -> FloatArray:
 @compiled
 def hand_twists(state: Record, links: Chain) -> FloatArray:
     """Twists of both hands, world axes, shape (2, 3) [m/s, rad/s]."""
-    jacobian, velocity = hand_jacobian(state.base_pose, links), generalized_velocity(state)
-    twist = np.zeros((2, 3))
-    for row in range(6):
-        for k in range(FREEDOMS):
-            twist[row // 3, row % 3] += jacobian[row, k] * velocity[k]
+    twist = np.empty((2, 3))
+    for arm in range(2):
+        x, y = links.hand_pose[arm, 0], links.hand_pose[arm, 1]
+        vx, vy = point_velocity(state.base_pose, state.base_twist, x, y)
+        turn = state.base_twist[2]
+        for link in range(LINKS):
+            rate = state.joint_rate[arm, link] if link < JOINTS else state.mount_rate[arm]
+            vx -= rate * (y - links.joint[arm, link, 1])
+            vy += rate * (x - links.joint[arm, link, 0])
+            turn += rate
+        twist[arm, 0], twist[arm, 1], twist[arm, 2] = vx, vy, turn
     return twist
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
-from sim.model.robot import FREEDOMS, Chain, RobotModel, hand_jacobian, inertia_matrix
+from sim.model.robot import FREEDOMS, Chain, RobotModel, hand_jacobian, momentum_matrix
 
 
 class FreeFlyingModel(NamedTuple):
@@ -24,8 +24,8 @@ class FreeFlyingModel(NamedTuple):
     """J_b H_b^-1 of both hands, shape (6, 3): momentum about the base's centre of mass to hand twists."""
     hand_jacobian: FloatArray
     """[J_b, J_m], shape (6, 11): generalized velocity to hand twists."""
-    inertia: FloatArray
-    """Eq. 1, shape (11, 11)."""
+    momentum_matrix: FloatArray
+    """[H_b, H_bm], shape (3, 11): generalized velocity to momentum about the base's centre of mass."""
     base_reaction: FloatArray
     """H_b^-1 H_bm, shape (3, 8): joint rates to minus the base twist they cause."""
 
@@ -33,7 +33,7 @@ class FreeFlyingModel(NamedTuple):
 @compiled
 def free_flying_model(robot: RobotModel, base_pose: FloatArray, links: Chain) -> FreeFlyingModel:
     """All matrices of eq. 1 and 2 for the base's pose, shape (3,), and the chain."""
-    H = inertia_matrix(robot, base_pose, links)
+    H = momentum_matrix(robot, base_pose, links)
     hands = hand_jacobian(base_pose, links)
     Hb_inverse = _inverse_of_base_block(H)
     reaction = np.zeros((3, FREEDOMS - 3))
@@ -70,15 +70,15 @@ def _inverse_of_base_block(H: FloatArray) -> FloatArray:
 
 
 @compiled
-def momentum(inertia: FloatArray, velocity: FloatArray) -> FloatArray:
+def momentum(matrix: FloatArray, velocity: FloatArray) -> FloatArray:
     """Robot momentum about the base's centre of mass (px, py [N s], angular [N m s]), shape (3,).
 
-    P = H_b (base twist) + H_bm (joint rates), the first rows of H on the generalized velocity, shape (11,).
+    P = H_b (base twist) + H_bm (joint rates): `momentum_matrix` on the generalized velocity, shape (11,).
     """
     P = np.zeros(3)
     for i in range(3):
         for j in range(FREEDOMS):
-            P[i] += inertia[i, j] * velocity[j]
+            P[i] += matrix[i, j] * velocity[j]
     return P
 
 
@@ -151,16 +151,19 @@ def joint_rates(jacobian: FloatArray, hand_velocity: FloatArray, damping: float)
 
 
 @compiled
-def joint_acceleration_under_contact(model: FreeFlyingModel, hand_wrench: FloatArray, free_joints: int) -> FloatArray:
+def joint_acceleration_under_contact(
+    model: FreeFlyingModel, inertia: FloatArray, hand_wrench: FloatArray, free_joints: int
+) -> FloatArray:
     """H*^-1 J*^T F: joint accelerations [rad/s2], shape (8,), that the hands' wrenches cause in free joints.
 
     Args:
-        model: matrices of eq. 1 and 2.
+        model: matrices of eq. 2.
+        inertia: matrix of eq. 1, shape (11, 11).
         hand_wrench: on both hands about their centres (fx, fy [N], torque [N m]), world axes, shape (2, 3).
         free_joints: 8, or 6 if the mounts are rigid: their accelerations are then zero.
 
     """
-    H, reaction, J = model.inertia, model.base_reaction, model.generalized_jacobian
+    H, reaction, J = inertia, model.base_reaction, model.generalized_jacobian
     H_star = np.empty((free_joints, free_joints))
     torque = np.zeros(free_joints)
     for i in range(free_joints):

@@ -151,6 +151,35 @@ def arm_jacobian(links: Chain, arm: int) -> FloatArray:
 
 
 @compiled
+def momentum_matrix(robot: RobotModel, base_pose: FloatArray, links: Chain) -> FloatArray:
+    """[H_b, H_bm] of eq. 1: generalized velocity to the robot's momentum about the base's centre of mass.
+
+    The first rows of the inertia matrix, shape (3, 11), without the cost of the rest.
+    """
+    H = np.zeros((3, FREEDOMS))
+    H[0, 0] = H[1, 1] = robot.base_mass
+    H[2, 2] = robot.base_inertia
+    for arm in range(2):
+        for link in range(LINKS):
+            m, inertia = robot.link_mass[link], robot.link_inertia[link]
+            cx, cy = links.centre[arm, link, 0], links.centre[arm, link, 1]
+            x, y = cx - base_pose[0], cy - base_pose[1]
+            H[0, 0] += m
+            H[1, 1] += m
+            H[0, 2] -= m * y
+            H[1, 2] += m * x
+            H[2, 2] += inertia + m * (x * x + y * y)
+            for j in range(link + 1):
+                from_x, from_y = cx - links.joint[arm, j, 0], cy - links.joint[arm, j, 1]
+                column = freedom(arm, j)
+                H[0, column] -= m * from_y
+                H[1, column] += m * from_x
+                H[2, column] += inertia + m * (x * from_x + y * from_y)
+    H[2, 0], H[2, 1] = H[0, 2], H[1, 2]
+    return H
+
+
+@compiled
 def inertia_matrix(robot: RobotModel, base_pose: FloatArray, links: Chain) -> FloatArray:
     """The inertia matrix of eq. 1, shape (11, 11): H_b = [:3, :3], H_bm = [:3, 3:], H_m = [3:, 3:]."""
     H = np.zeros((FREEDOMS, FREEDOMS))

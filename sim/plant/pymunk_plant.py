@@ -27,6 +27,7 @@ from sim.model.robot import (
     RobotModel,
     chain,
     freedom,
+    inertia_matrix,
     initial_joint_angles,
     robot_model,
     tip_position,
@@ -393,4 +394,5 @@ def _acceleration(handle: PlantHandle, parameters: Record, state: Record) -> Flo
     links = chain(handle.robot, pose[0], joint_angle, mount_angle)
     model = free_flying_model(handle.robot, pose[0], links)
     free_joints = 2 * JOINTS if parameters.robot.servo.hand_mount == _RIGID else 2 * LINKS
-    return joint_acceleration_under_contact(model, state.hand_wrench, free_joints)
+    inertia = inertia_matrix(handle.robot, pose[0], links)
+    return joint_acceleration_under_contact(model, inertia, state.hand_wrench, free_joints)

@@ -9,7 +9,7 @@ import pytest
 
 from sim.config import RobotConfig
 from sim.model.generalized_jacobian import free_flying_model, manipulability, momentum
-from sim.model.robot import FREEDOMS, arm_jacobian, chain, hand_jacobian, robot_model
+from sim.model.robot import FREEDOMS, arm_jacobian, chain, hand_jacobian, inertia_matrix, robot_model
 
 STEP = 1e-6
 """Of the differences: truncation and rounding are then both near 1e-10 for lengths under a metre."""
@@ -85,7 +85,7 @@ def body_momentum(placement: Placement) -> np.ndarray:
 
 def test_momentum_is_that_of_the_bodies(placement):
     model = free_flying_model(ROBOT, placement.coordinates[:3], placement.links(placement.coordinates))
-    ours = momentum(model.inertia, placement.velocity)
+    ours = momentum(model.momentum_matrix, placement.velocity)
     # Momenta reach some tens of kg m/s: the difference's error grows with the mass of the robot.
     assert np.abs(ours - body_momentum(placement)).max() < DIFFERENCE * ROBOT.total_mass
 
@@ -95,13 +95,13 @@ def test_generalized_jacobian_moves_the_hands_of_a_robot_without_momentum(placem
     model = free_flying_model(ROBOT, placement.coordinates[:3], placement.links(placement.coordinates))
     for column, rates in enumerate(np.eye(FREEDOMS - 3)):
         direction = np.concatenate([-model.base_reaction @ rates, rates])
-        assert np.abs(momentum(model.inertia, direction)).max() < EXACT * ROBOT.total_mass
+        assert np.abs(momentum(model.momentum_matrix, direction)).max() < EXACT * ROBOT.total_mass
         difference = derivative(lambda at: placement.links(at).hand_pose, placement, direction)
         assert np.abs(model.generalized_jacobian[:, column] - difference.ravel()).max() < DIFFERENCE
 
 
 def test_inertia_matrix_is_symmetric_and_positive(placement):
-    H = free_flying_model(ROBOT, placement.coordinates[:3], placement.links(placement.coordinates)).inertia
+    H = inertia_matrix(ROBOT, placement.coordinates[:3], placement.links(placement.coordinates))
     assert np.array_equal(H, H.T)
     assert np.linalg.eigvalsh(H).min() > 0.0
 

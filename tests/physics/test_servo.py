@@ -11,7 +11,7 @@ from free_flight import remote_target
 from sim.config import HandMount, MissionConfig
 from sim.configurations import nested, revised
 from sim.model.generalized_jacobian import free_flying_model, joint_acceleration_under_contact
-from sim.model.robot import chain
+from sim.model.robot import chain, inertia_matrix
 from sim.plant.pymunk_plant import PymunkPlant
 
 FIRST_ORDER = 0.03
@@ -80,7 +80,8 @@ def rates_given_way(plant: PymunkPlant, free_joints: int) -> np.ndarray:
     state, robot = plant.state, plant.handle.robot
     links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
     model = free_flying_model(robot, state["base_pose"], links)
-    acceleration = joint_acceleration_under_contact(model, state["hand_wrench"], free_joints)
+    inertia = inertia_matrix(robot, state["base_pose"], links)
+    acceleration = joint_acceleration_under_contact(model, inertia, state["hand_wrench"], free_joints)
     return plant.parameters["robot"]["servo"]["time_constant"] * acceleration
 
 
@@ -120,7 +121,8 @@ def test_torque_stays_within_its_limit(limit):
     state, robot = plant.state, plant.handle.robot
     links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
     model = free_flying_model(robot, state["base_pose"], links)
-    reduced = model.inertia[3:, 3:] - model.inertia[:3, 3:].T @ model.base_reaction
+    inertia = inertia_matrix(robot, state["base_pose"], links)
+    reduced = inertia[3:, 3:] - inertia[:3, 3:].T @ model.base_reaction
     plant.exchange(20.0 * COMMAND)
     change = np.array([*state["joint_rate"].ravel(), *state["mount_rate"]])
     torque = np.abs(reduced @ change) / config.simulation.time_step

@@ -117,7 +117,7 @@ class TestTracking:
         state["time"], state["base_twist"] = 0.6, (0.02, -0.01, 0.05)
         run(memory, state)
         model = free_flying_model(ROBOT, state["base_pose"], links_of(state))
-        P = momentum(model.inertia, np.array([*state["base_twist"], *np.zeros(8)]))
+        P = momentum(model.momentum_matrix, np.array([*state["base_twist"], *np.zeros(8)]))
         rates = memory["commanded_joint_rate"].ravel()
         twist = model.generalized_jacobian[:, :6] @ rates + model.momentum_map @ P
         assert twist.reshape(2, 3) == pytest.approx(memory["desired_hand_twist"], abs=1e-9)

@@ -93,7 +93,7 @@ def test_momentum_of_a_robot_that_moves_as_one_body():
     model = start_model()
     velocity = np.zeros(FREEDOMS)
     velocity[:2] = 0.3, -0.2
-    assert momentum(model.inertia, velocity)[:2] == pytest.approx(ROBOT.total_mass * velocity[:2])
+    assert momentum(model.momentum_matrix, velocity)[:2] == pytest.approx(ROBOT.total_mass * velocity[:2])
 
 
 def test_manipulability_vanishes_with_a_straight_elbow():
