@@ -30,6 +30,8 @@ EXAMPLES = """\b
 Examples:
   becalm serve                 start the console and open its page
   becalm run --json            fly one capture headless
+  becalm study published --out published.csv
+                               fly the paper's parametric study on all cores
   becalm COMMAND --help        options and more examples
 """
 
@@ -46,6 +48,34 @@ Examples:
   becalm run --direct --json
   becalm run --configuration published_figures --log capture.parquet
   becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
+"""
+
+STUDY_EXAMPLES = """\b
+Examples:
+  becalm study published --out published.csv
+  becalm study published --out finer.parquet --set simulation.time_step=0.0005
+  becalm study spins.toml --out spins.json --seed 7 --workers 4 --json
+
+\b
+A study file (TOML or JSON) names a configuration and what varies over it:
+  configuration = "published"
+  seed = 1
+\b
+  [changes]
+  contact.friction = 0.25
+\b
+  [grid]
+  control.impedance.damping = { from = 0.0, to = 6.0, step = 1.5 }
+  control.impedance.mass = [0.05, 0.1]
+\b
+  [samples]
+  count = 64
+  method = "sobol"             # or latin_hypercube, random
+  [samples.over]
+  target.initial_spin = { from = 0.5, to = 2.0 }
+  target.mass = { mean = 2.35, deviation = 0.1 }
+
+Ctrl-C stops a study; the same command goes on where it stopped.
 """
 
 
@@ -157,3 +187,46 @@ def run(
         click.echo(json.dumps(summary.as_document(record, record.outcome)))
     else:
         click.echo(summary.as_text(record, record.outcome))
+
+
+@main.command(epilog=STUDY_EXAMPLES, short_help="Fly many captures that differ in chosen parameters, on all cores.")
+@click.argument("name_or_file")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Write the table to this file.")
+@click.option(
+    "--format",
+    "table_format",
+    type=click.Choice(["csv", "parquet", "json"]),
+    help="Of the table.  [default: by the file's suffix]",
+)
+@_configured
+@click.option("--workers", type=click.IntRange(min=1), help="Worker processes.  [default: one a core]")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Seed of the samples and of every cell.")
+@click.option("--yes", is_flag=True, help="Do not ask before more than 10 000 cells.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as one JSON document.")
+def study(
+    *,
+    name_or_file: str,
+    out: Path,
+    table_format: str | None,
+    file: Path | None,
+    settings: tuple[str, ...],
+    workers: int | None,
+    seed: int | None,
+    yes: bool,
+    as_json: bool,
+) -> None:
+    """Fly a study, a named one (published) or one in a file, and write one table with a row for every cell.
+
+    The table has a column for each varied parameter under its full path, the outcome and what was measured.
+    """
+    changes = _changes(file, settings)
+    from becalm import studying  # noqa: PLC0415 - the simulation takes a second to load
+    from sim.study.executors import cores  # noqa: PLC0415
+
+    output = studying.output_file(out, table_format)
+    chosen = studying.chosen_study(name_or_file, changes, seed)
+    report = studying.fly(chosen, output, workers or cores(), confirmed=yes)
+    if as_json:
+        click.echo(json.dumps(studying.as_document(report)))
+    else:
+        click.echo(studying.as_text(report))

@@ -4,6 +4,8 @@ CaptureError
 ├── ConfigError        a configuration that cannot be (REST 422, exit 2)
 ├── MissionRefused     a request that the phase does not allow (REST 409)
 ├── RunNotFound        no such run (REST 404)
+├── TableUnusable      the file of a study's results: another study's, in use, not writable (sim.study.table)
+├── WorkersUnavailable no worker process of a study starts (sim.study.executors)
 └── PlantError         the plant can no longer be trusted (phase `faulted`)
     └── PlantDiverged  a state that is not finite, or momentum that jumped
 """

@@ -6,12 +6,23 @@ Everything here is checked when it is read, so that a study that cannot be is re
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    JsonValue,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from scipy.stats import norm, qmc, truncnorm
 
 from sim.compiled import FloatArray
@@ -24,7 +35,9 @@ Value = float | int | str
 LONGEST_AXIS = 1_000_000
 """Values of one axis, and draws of one sample: more are a slip of the pen."""
 
+_NEITHER = "give a list of values, or from, to and either step or count"
 _DIGITS = 12
+_STEP_TOLERANCE = 1e-6  # of a step: 3 steps of 0.1 end at 0.3, however they are rounded
 _SMALLEST_TAIL = 1e-12  # a point at the very edge of the unit cube would be infinitely far out
 
 
@@ -68,7 +81,11 @@ class Axis(StudyModel):
     @model_validator(mode="before")
     @classmethod
     def _plain_list(cls, given: Any) -> Any:
-        return {"values": given} if isinstance(given, list | tuple) else given
+        if isinstance(given, list | tuple):
+            return {"values": given}
+        if not isinstance(given, Mapping | Axis):
+            raise ValueError(_NEITHER)
+        return given
 
     @model_validator(mode="after")
     def _is_a_list_or_a_range(self) -> Self:
@@ -77,10 +94,11 @@ class Axis(StudyModel):
             if given or not self.values:
                 raise ValueError("the list of values is empty" if not given else "give a list or a range, not both")
         elif given not in ({"start", "stop", "step"}, {"start", "stop", "count"}):
-            raise ValueError("give a list of values, or from, to and either step or count")
-        elif not 1 <= self._length() <= LONGEST_AXIS:
-            size = "empty" if self._length() < 1 else f"{self._length():.3g} values long; at most {LONGEST_AXIS} are"
-            raise ValueError(f"the range is {size}" if size == "empty" else f"the range is {size} allowed")
+            raise ValueError(_NEITHER)
+        elif self._length() < 1:
+            raise ValueError("the range is empty")
+        elif self._length() > LONGEST_AXIS:
+            raise ValueError(f"the range has {self._length():.3g} values; at most {LONGEST_AXIS} are allowed")
         else:
             _require_spacing(self.spacing, self.start, self.stop, stepped=self.step is not None)
         return self
@@ -109,7 +127,9 @@ class Axis(StudyModel):
         if self.count is not None:
             return self.count
         assert self.step is not None
-        return math.floor((self.stop - self.start) / self.step * (1 + 1e-12) + 1e-9) + 1 if self.step > 0 else 0
+        if self.step <= 0.0:
+            return 0
+        return 1.0 + float(np.floor((self.stop - self.start) / self.step + _STEP_TOLERANCE))
 
 
 class Distribution(StudyModel):
@@ -162,16 +182,17 @@ class Distribution(StudyModel):
 class Samples(StudyModel):
     """Points drawn over several parameters at once; the study's seed decides which."""
 
-    count: WholeNumber = Field(ge=1, le=LONGEST_AXIS)
     method: SampleMethod = SampleMethod.LATIN_HYPERCUBE
+    count: WholeNumber = Field(ge=1, le=LONGEST_AXIS)
     over: dict[str, Distribution] = Field(min_length=1)
 
-    @model_validator(mode="after")
-    def _sobol_takes_powers_of_two(self) -> Self:
-        below = 2 ** (self.count.bit_length() - 1)
-        if self.method is SampleMethod.SOBOL and self.count != below:
-            raise ValueError(f"count = {self.count}: sobol needs a power of two, such as {below} or {2 * below}")
-        return self
+    @field_validator("count")
+    @classmethod
+    def _sobol_takes_powers_of_two(cls, count: int, given: ValidationInfo) -> int:
+        below = 2 ** (count.bit_length() - 1)
+        if given.data.get("method") is SampleMethod.SOBOL and count != below:
+            raise ValueError(f"sobol needs a power of two, such as {below} or {2 * below}")
+        return count
 
     def points(self, generator: np.random.Generator) -> FloatArray:
         """The drawn values; shape (count, parameters), columns in the order of `over`."""
@@ -200,7 +221,8 @@ def _require_spacing(spacing: Spacing, start: float | None, stop: float | None, 
 @cache
 def _adapter(path: str) -> TypeAdapter[Any]:
     field = PARAMETERS[path]
-    return TypeAdapter(Annotated[(field.annotation, *field.metadata)])
+    bounded: Any = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+    return TypeAdapter(bounded)
 
 
 def is_whole(path: str) -> bool:

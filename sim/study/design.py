@@ -1,0 +1,241 @@
+"""What a study flies: a base configuration, and every combination of its axes and samples as one cell each.
+
+A cell's place in the study, its values and its seed follow from the study alone: the same study gives the same
+cells on any machine and with any executor.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
+
+from sim.config import MissionConfig, WholeNumber
+from sim.configurations import (
+    DEFAULT_CONFIGURATION,
+    named_configuration,
+    nested,
+    read_config_file,
+    revised,
+)
+from sim.errors import ConfigError
+from sim.study.axes import Axis, Distribution, Samples, StudyModel, Value, checked, is_number, require_parameter
+
+SEED = "simulation.seed"
+
+_AXIS_WORDS = {name for model in (Axis, Distribution) for name in model.model_fields} | {"from", "to"}
+_FOR_POINTS, _FOR_CELLS = 0, 1  # two streams of one seed
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One capture of a study."""
+
+    index: int
+    """Its place in the study."""
+    values: Mapping[str, Value]
+    """Of the varied parameters, by full path."""
+    seed: int
+    """Of the capture's random numbers."""
+
+
+class Study(StudyModel):
+    """A named configuration with changes, and the parameters that vary over it.
+
+    With axes and samples, every combination of grid values meets every point of the sample. The last axis of the
+    grid changes faster than the first, the sample's points fastest.
+    """
+
+    name: str = Field("study", min_length=1)
+    description: str = ""
+    configuration: str = DEFAULT_CONFIGURATION
+    changes: dict[str, JsonValue] = Field(default_factory=dict, description="Full path to value, for all cells")
+    direct: bool = Field(False, description="Direct caging, without detumbling")
+    seed: WholeNumber = Field(0, ge=0, le=2**63 - 1, description="Of the sample's points and of every cell's own seed")
+    grid: dict[str, Axis] = Field(default_factory=dict, description="Full path to the values of an axis")
+    samples: Samples | None = None
+
+    @field_validator("changes", "grid", mode="before")
+    @classmethod
+    def _by_full_path(cls, given: Any) -> Any:
+        return flattened(given) if isinstance(given, Mapping) else given
+
+    @field_validator("samples", mode="before")
+    @classmethod
+    def _over_by_full_path(cls, given: Any) -> Any:
+        if isinstance(given, Mapping) and isinstance(given.get("over"), Mapping):
+            return {**given, "over": flattened(given["over"])}
+        return given
+
+    @model_validator(mode="after")
+    def _is_possible(self) -> Self:
+        if not self.varied:
+            raise ValueError("the study varies nothing; give it a grid or samples")
+        self._require_each_path_once()
+        for path in self.grid:
+            _require_distinct(path, self._levels[path])
+        self._require_points_within_bounds()
+        try:
+            assert self.base
+        except ConfigError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    def _require_each_path_once(self) -> None:
+        sampled = self.samples.over if self.samples else {}
+        for where, paths in (("grid", self.grid), ("samples.over", sampled), ("changes", self.changes)):
+            for path in paths:
+                require_parameter(path, where)
+        for path in self.varied:
+            if path in self.changes:
+                raise ValueError(f"{path} is varied by the study; it cannot be set to {self.changes[path]!r} as well")
+        for path in sampled:
+            if path in self.grid:
+                raise ValueError(f"{path} is an axis of the grid; it cannot be sampled as well")
+            if not is_number(path):
+                raise ValueError(f"samples.over.{path} cannot be drawn: it is no continuous number; put it on the grid")
+        if SEED in self.changes:
+            raise ValueError(f"{SEED} cannot be set: every cell has its own, which follows from the study's seed")
+
+    def _require_points_within_bounds(self) -> None:
+        columns = zip(self.samples.over if self.samples else (), zip(*self._points, strict=True), strict=True)
+        for path, drawn in columns:
+            for extreme in (min(drawn), max(drawn)):
+                try:
+                    checked(path, extreme, "samples.over")
+                except ValueError as error:
+                    raise ValueError(f"{error}; narrow the distribution, or cut it with from and to") from None
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """Full paths of the parameters that vary: those of the grid, then those of the sample."""
+        return (*self.grid, *(self.samples.over if self.samples else ()))
+
+    @cached_property
+    def base(self) -> MissionConfig:
+        """The configuration that all cells share but for what varies."""
+        return revised(named_configuration(self.configuration), nested(self.changes))
+
+    @cached_property
+    def _levels(self) -> dict[str, tuple[Value, ...]]:
+        """Full path to the values of each axis of the grid."""
+        return {
+            path: tuple(checked(path, value, "grid") for value in axis.listed()) for path, axis in self.grid.items()
+        }
+
+    @cached_property
+    def _points(self) -> tuple[tuple[float, ...], ...]:
+        """The sample's points, values in the order of `over`; one point of nothing without a sample."""
+        if self.samples is None:
+            return ((),)
+        stream = np.random.SeedSequence(self.seed, spawn_key=(_FOR_POINTS,))
+        return tuple(map(tuple, self.samples.points(np.random.default_rng(stream)).tolist()))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has, and how many points the sample."""
+        return (*(len(values) for values in self._levels.values()), len(self._points))
+
+    @property
+    def count(self) -> int:
+        """How many cells the study has."""
+        return math.prod(self.shape)
+
+    def cell(self, index: int) -> Cell:
+        """The cell at that place, 0 to `count` - 1.
+
+        Raises:
+            IndexError: the study has no such cell.
+
+        """
+        if not 0 <= index < self.count:
+            raise IndexError(f"the study has {self.count} cells, numbered from 0; there is none at {index}")
+        rest, point = divmod(index, len(self._points))
+        chosen: dict[str, Value] = {}
+        for path, levels in reversed(self._levels.items()):
+            rest, place = divmod(rest, len(levels))
+            chosen[path] = levels[place]
+        values = {path: chosen[path] for path in self.grid}
+        if self.samples:
+            values |= zip(self.samples.over, self._points[point], strict=True)
+        stream = np.random.SeedSequence(self.seed, spawn_key=(_FOR_CELLS, index))
+        seed = values.get(SEED, int(stream.generate_state(1)[0]))
+        return Cell(index, values, int(seed))
+
+    def cells(self) -> Iterator[Cell]:
+        """All cells in their order."""
+        return map(self.cell, range(self.count))
+
+    def definition(self) -> dict[str, Any]:
+        """The study as a study file holds it, in JSON values."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def configured(base: MissionConfig, cell: Cell) -> MissionConfig:
+    """The configuration of a cell.
+
+    Raises:
+        ConfigError: its values do not fit together.
+
+    """
+    return revised(base, nested({SEED: cell.seed, **cell.values}))
+
+
+def flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """A nested mapping by full path; what describes an axis or a distribution stays whole."""
+    flat: dict[str, Any] = {}
+    for name, value in tree.items():
+        if isinstance(value, Mapping) and value and not _AXIS_WORDS & value.keys():
+            flat |= flattened(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
+def study_of(definition: Mapping[str, Any]) -> Study:
+    """The study that a file, a script or a request defines.
+
+    Raises:
+        ConfigError: it cannot be; the message names field, value and bound.
+
+    """
+    try:
+        return Study.model_validate(dict(definition))
+    except ValidationError as error:
+        raise ConfigError("; ".join(map(_told, error.errors(include_url=False)))) from None
+
+
+def read_study(path: Path) -> Study:
+    """The study in a TOML or JSON file; without a name of its own it takes the file's.
+
+    Raises:
+        ConfigError: the file cannot be read, or the study in it cannot be.
+
+    """
+    return study_of({"name": path.stem, **read_config_file(path, "study file")})
+
+
+def _told(finding: Any) -> str:
+    """A finding as one line: field, value and what would be right."""
+    path = ".".join(str(part) for part in finding["loc"])
+    message = finding["msg"].removeprefix("Value error, ")
+    if finding["type"] == "extra_forbidden":
+        known = list(Study.model_fields) if len(finding["loc"]) == 1 else [*_AXIS_WORDS, *Samples.model_fields]
+        close = difflib.get_close_matches(str(finding["loc"][-1]), known, n=1)
+        return f"{path} is not a field of a study" + (f"; did you mean {close[0]}?" if close else "")
+    return f"{path} = {finding['input']!r}: {message}" if path else message
+
+
+def _require_distinct(path: str, values: tuple[Value, ...]) -> None:
+    seen: set[Value] = set()
+    for value in values:
+        if value in seen:
+            raise ValueError(f"grid.{path}: {value!r} stands there twice")
+        seen.add(value)

@@ -1,0 +1,176 @@
+"""The cells of a study on any `concurrent.futures.Executor`; local processes by default.
+
+Each cell gives one row, whatever happens to the processes that fly it. A worker that dies takes the executor
+along (`BrokenExecutor`); the cells that were with it are then flown again, one at a time, so that the one that
+kills its worker is found and costs no other.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from multiprocessing.connection import wait as wait_for_end
+from typing import ParamSpec, TypeVar
+
+from sim.errors import CaptureError
+from sim.study.run import CellTask, Row, failed_row, fly_cell
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+OpenExecutor = Callable[[], Executor]
+"""Gives a fresh executor; called again when one has broken."""
+
+
+class WorkersUnavailable(CaptureError):
+    """No worker of the executor could be started."""
+
+
+def cores() -> int:
+    """How many processor cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class LocalProcesses(ProcessPoolExecutor):
+    """Worker processes on this machine, started clean (spawn): nothing of this process is inherited."""
+
+    def __init__(self, workers: int) -> None:
+        context = multiprocessing.get_context("spawn")
+        super().__init__(workers, mp_context=context, initializer=_begin_worker)
+
+    def submit(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_R]:
+        """As every executor; a worker that starts for it keeps the mask, so that Ctrl-C never reaches it."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().submit(function, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin_worker() -> None:
+    """A worker ends with the process that leads the study, however that ends."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    wait_for_end([parent.sentinel])
+    os._exit(1)
+
+
+def fly_cells(
+    tasks: Iterable[CellTask], keep: Callable[[Row], None], open_executor: OpenExecutor, *, at_once: int
+) -> None:
+    """Fly cells and hand each row over as it comes, in the order in which they end.
+
+    Args:
+        tasks: the cells; taken one by one as there is room.
+        keep: called in this thread, once with the row of every cell; what it raises ends the study.
+        open_executor: see `OpenExecutor`; whatever it gives is shut down in the end.
+        at_once: cells handed to the executor at a time; twice its workers keeps them busy.
+
+    Raises:
+        WorkersUnavailable: the executor cannot start a worker.
+        KeyboardInterrupt: after the cells in flight have ended and their rows were kept.
+
+    """
+    crew = _Crew(keep, open_executor)
+    try:
+        for task in tasks:
+            crew.submit(task)
+            while crew.in_flight >= at_once:
+                crew.collect()
+        while crew.in_flight:
+            crew.collect()
+    except KeyboardInterrupt:
+        crew.land()
+        raise
+    finally:
+        crew.dismiss()
+
+
+class _Crew:
+    """An executor, opened anew when it breaks, and the cells that are with it."""
+
+    def __init__(self, keep: Callable[[Row], None], open_executor: OpenExecutor) -> None:
+        self._keep = keep
+        self._open = open_executor
+        self._flying: dict[Future[Row], CellTask] = {}
+        self._executor = open_executor()
+
+    @property
+    def in_flight(self) -> int:
+        return len(self._flying)
+
+    def _reopen(self) -> None:
+        """Open a fresh executor, and see that its workers start."""
+        self._executor.shutdown()
+        self._executor = self._open()
+        try:
+            self._executor.submit(os.getpid).result()
+        except BrokenExecutor as error:
+            tip = "fly a single capture (becalm run) to see whether the simulation starts at all"
+            raise WorkersUnavailable(f"no worker process can be started: {error}", tip=tip) from None
+
+    def submit(self, task: CellTask) -> None:
+        try:
+            self._flying[self._executor.submit(fly_cell, task)] = task
+        except BrokenExecutor:
+            self._recover([task])
+
+    def collect(self) -> None:
+        """Keep what has ended since the last call; waits until something has."""
+        ended, _ = wait(self._flying, return_when=FIRST_COMPLETED)
+        lost = self._kept(ended)
+        if lost:
+            self._recover(lost)
+
+    def _kept(self, ended: Iterable[Future[Row]]) -> list[CellTask]:
+        """The cells among them whose worker was lost; the rows of all others are kept."""
+        lost = []
+        for future in ended:
+            task = self._flying.pop(future)
+            try:
+                row = future.result()
+            except BrokenExecutor:
+                lost.append(task)
+                continue
+            except Exception as error:  # of the executor: the cell's own are in its row
+                row = failed_row(task.cell, f"{type(error).__name__}: {error}")
+            self._keep(row)
+        return lost
+
+    def _recover(self, lost: list[CellTask]) -> None:
+        """Fly the lost cells again, each alone, on a fresh executor."""
+        ended, _ = wait(self._flying)
+        lost += self._kept(ended)
+        self._reopen()
+        for task in sorted(lost, key=lambda task: task.cell.index):
+            self._keep(self._flown_alone(task))
+
+    def _flown_alone(self, task: CellTask) -> Row:
+        try:
+            return self._executor.submit(fly_cell, task).result()
+        except BrokenExecutor:
+            self._reopen()
+            return failed_row(task.cell, "its worker process died, and died again when it flew this cell alone")
+
+    def land(self) -> None:
+        """Start nothing more; wait for the cells in flight and keep their rows."""
+        for future in [future for future in self._flying if future.cancel()]:
+            del self._flying[future]
+        ended, _ = wait(self._flying)
+        self._kept(ended)
+
+    def dismiss(self) -> None:
+        """Close the executor; waits for nothing whose row would not be kept."""
+        for future in self._flying:
+            future.cancel()
+        self._executor.shutdown(wait=not self._flying)

@@ -1,0 +1,116 @@
+"""One cell of a study: a capture flown to its verdict, and what is kept of it as one flat row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from sim.capture.run import run_capture
+from sim.capture.snapshot import Outcome, Touch
+from sim.config import PARAMETERS, MissionConfig
+from sim.errors import CaptureError
+from sim.study.design import Cell, Study, configured
+
+Row = Mapping[str, Any]
+"""Column name to value; None where there is none."""
+
+
+class Column(NamedTuple):
+    """One column of a study's table."""
+
+    name: str
+    kind: type[float] | type[int] | type[bool] | type[str]
+    unit: str
+    description: str
+
+
+MEASURES = (
+    Column("outcome", str, "1", "By the rule that judging.rule names"),
+    Column("at_first_closure", str, "1", "Judged at the first closed instant, as the paper's tables"),
+    Column("at_locked_arms", str, "1", "Judged when the arms have locked, by the caging test"),
+    Column("caged", bool, "1", "No motion leads the target out of the locked hands"),
+    Column("cage_margin", float, "m", "How far the tips would have to give way to let it out; none if not caged"),
+    Column("peak_tip_force", float, "N", "Largest hand resultant of the whole sequence, to locked arms"),
+    Column("peak_tip_force_to_closure", float, "N", "The same up to the first closed instant"),
+    Column("closed_at", float, "s", "First closed instant; none if never"),
+    Column("locked_at", float, "s", "Arms locked; none if never"),
+    Column("duration", float, "s", "From the sequence's start to the verdict"),
+    Column("touches", int, "1", "How many touches, planned or not"),
+    Column("hardest_touch_arm", str, "1", "Arm of the touch with the largest force"),
+    Column("hardest_touch_start", float, "s", "When that touch began"),
+    Column("hardest_touch_peak", float, "N", "Largest hand resultant of that touch"),
+    Column("final_target_spin", float, "rad/s", "Target's angular velocity at the verdict"),
+    Column("min_manipulability", float, "m2", "Smallest of both arms over the sequence"),
+    Column("momentum_error", float, "N s, N m s", "Largest change of total momentum: linear plus angular"),
+)
+"""What is measured of a cell that was flown."""
+
+
+def columns(study: Study) -> tuple[Column, ...]:
+    """The columns of a study's table: the cell, what was varied under its full path, its measures, its error."""
+    return (
+        Column("cell", int, "1", "Place in the study, from 0"),
+        *map(_varied_column, study.varied),
+        Column("seed", int, "1", "Of the capture's random numbers"),
+        *MEASURES,
+        Column("error", str, "1", "Why the cell has no measures"),
+    )
+
+
+def _varied_column(path: str) -> Column:
+    field = PARAMETERS[path]
+    kind = field.annotation if field.annotation in (float, int) else str
+    return Column(path, kind, field.json_schema_extra["unit"], field.description)
+
+
+@dataclass(frozen=True)
+class CellTask:
+    """All that a worker needs to fly one cell; small, and travels as a pickle."""
+
+    base: MissionConfig
+    direct: bool
+    cell: Cell
+
+
+def fly_cell(task: CellTask) -> Row:
+    """Fly a cell to its verdict; a row with `error` if it cannot be flown."""
+    try:
+        outcome = run_capture(configured(task.base, task.cell), direct=task.direct).outcome
+    except CaptureError as error:
+        return failed_row(task.cell, str(error))
+    except Exception as error:  # one cell that fails, however it does, must not take the others along
+        return failed_row(task.cell, f"{type(error).__name__}: {error}")
+    return {**_identity(task.cell), **_measures(outcome), "error": None}
+
+
+def failed_row(cell: Cell, error: str) -> Row:
+    """The row of a cell that has no measures, and why."""
+    return {**_identity(cell), **dict.fromkeys(column.name for column in MEASURES), "error": error}
+
+
+def _identity(cell: Cell) -> dict[str, Any]:
+    return {"cell": cell.index, **cell.values, "seed": cell.seed}
+
+
+def _measures(outcome: Outcome) -> dict[str, Any]:
+    hardest: Touch | None = max(outcome.contacts, key=lambda touch: touch.peak, default=None)
+    return {
+        "outcome": outcome.outcome.value,
+        "at_first_closure": outcome.at_first_closure.value,
+        "at_locked_arms": outcome.at_locked_arms.value,
+        "caged": outcome.caged,
+        "cage_margin": outcome.cage_margin,
+        "peak_tip_force": outcome.peak_tip_force,
+        "peak_tip_force_to_closure": outcome.peak_tip_force_to_closure,
+        "closed_at": outcome.closed_at,
+        "locked_at": outcome.locked_at,
+        "duration": outcome.duration,
+        "touches": len(outcome.contacts),
+        "hardest_touch_arm": hardest.arm if hardest else None,
+        "hardest_touch_start": hardest.start if hardest else None,
+        "hardest_touch_peak": hardest.peak if hardest else None,
+        "final_target_spin": outcome.final_target_spin,
+        "min_manipulability": outcome.min_manipulability,
+        "momentum_error": outcome.momentum_error,
+    }

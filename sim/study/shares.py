@@ -1,0 +1,44 @@
+"""How often each class came out, with a confidence interval where the cells are a sample."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from pydantic import Field
+from scipy.stats import binomtest
+
+from sim.capture.snapshot import Published
+from sim.study.design import Study
+from sim.study.run import Row
+
+CONFIDENCE = 0.95
+
+
+class OutcomeShare(Published):
+    """How many of a study's cells ended in one class."""
+
+    outcome: str
+    cells: int
+    share: float = Field(description="Of the cells that have an outcome")
+    low: float | None = Field(description="Lower end of the 95 % confidence interval of the share; null on a grid")
+    high: float | None = Field(description="Its upper end")
+
+
+def outcome_shares(study: Study, rows: Iterable[Row]) -> list[OutcomeShare]:
+    """The classes that came out, the most frequent first.
+
+    The interval is Wilson's for independent draws (Wilson 1927); for a Latin hypercube or Sobol sample it is
+    on the safe side. A grid is no sample, so a study with one has none.
+    """
+    counts = Counter(row["outcome"] for row in rows if row["outcome"] is not None)
+    sampled = study.samples is not None and not study.grid
+    return [_share(outcome, cells, counts.total(), sampled=sampled) for outcome, cells in counts.most_common()]
+
+
+def _share(outcome: str, cells: int, total: int, *, sampled: bool) -> OutcomeShare:
+    low = high = None
+    if sampled:
+        interval = binomtest(cells, total).proportion_ci(CONFIDENCE, method="wilson")
+        low, high = float(interval.low), float(interval.high)
+    return OutcomeShare(outcome=outcome, cells=cells, share=cells / total, low=low, high=high)

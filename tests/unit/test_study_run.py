@@ -1,0 +1,112 @@
+"""One cell as one row: what is kept of an outcome, and of a cell that cannot be flown."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from sim.capture.run import RunResult
+from sim.capture.snapshot import Outcome, OutcomeClass, Touch
+from sim.errors import PlantDiverged
+from sim.study import run
+from sim.study.design import study_of
+from sim.study.run import MEASURES, CellTask, columns, failed_row, fly_cell
+
+STUDY = study_of({"grid": {"control.impedance.mass": [0.05, 0.1], "contact.corner": ["face", "radial"]}})
+
+OUTCOME = Outcome(
+    outcome=OutcomeClass.CAGED_FORCE_REDUCED,
+    at_first_closure=OutcomeClass.CAGED_FORCE_REDUCED,
+    at_locked_arms=OutcomeClass.CAGED_UNPLANNED_CONTACT,
+    caged=True,
+    cage_margin=0.005,
+    peak_tip_force=1.9,
+    peak_tip_force_to_closure=0.9,
+    closed_at=5.3,
+    locked_at=6.2,
+    duration=8.2,
+    contacts=[
+        Touch(arm="right", start=3.4, end=4.1, peak=0.9, planned=True),
+        Touch(arm="left", start=5.7, end=5.9, peak=1.9, planned=False),
+    ],
+    final_target_spin=0.06,
+    min_manipulability=0.04,
+    momentum_error=1e-7,
+)
+
+
+def task(index: int = 1) -> CellTask:
+    return CellTask(STUDY.base, STUDY.direct, STUDY.cell(index))
+
+
+@pytest.fixture
+def flown(monkeypatch):
+    """What `run_capture` was asked for; it answers with the outcome above."""
+    asked = []
+
+    def answer(config, *, direct):
+        asked.append((config, direct))
+        return RunResult(OUTCOME, ticks=8200, simulated_time=8.2, wall_time=0.1)
+
+    monkeypatch.setattr(run, "run_capture", answer)
+    return asked
+
+
+def test_row_has_the_columns_in_their_order(flown):
+    row = fly_cell(task())
+    assert list(row) == [column.name for column in columns(STUDY)]
+    for column in columns(STUDY)[:-1]:
+        assert type(row[column.name]) is column.kind
+    assert row["error"] is None
+
+
+def test_row_tells_cell_outcome_and_hardest_touch(flown):
+    row = fly_cell(task())
+    assert (row["cell"], row["control.impedance.mass"], row["contact.corner"]) == (1, 0.05, "radial")
+    assert (row["outcome"], row["at_locked_arms"]) == ("caged_force_reduced", "caged_unplanned_contact")
+    assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_start"]) == (2, "left", 5.7)
+    assert row["hardest_touch_peak"] == 1.9
+    ((config, direct),) = flown
+    assert config.simulation.seed == row["seed"]
+    assert config.contact.corner == "radial"
+    assert not direct
+
+
+def test_without_a_touch_there_is_no_hardest(flown, monkeypatch):
+    monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"contacts": [], "closed_at": None}))
+    row = fly_cell(task())
+    assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_peak"]) == (0, None, None)
+    assert row["closed_at"] is None
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [(PlantDiverged("not finite after 3 s"), "not finite after 3 s"), (ValueError("odd"), "ValueError: odd")],
+)
+def test_a_cell_that_fails_is_a_row_that_says_why(monkeypatch, error, words):
+    def fail(config, *, direct):
+        raise error
+
+    monkeypatch.setattr(run, "run_capture", fail)
+    assert fly_cell(task()) == failed_row(task().cell, words)
+
+
+def test_values_that_do_not_fit_together_fail_that_cell_only():
+    study = study_of({"grid": {"simulation.time_step": [3e-4]}})
+    row = fly_cell(CellTask(study.base, study.direct, study.cell(0)))
+    assert "simulation.time_step = 0.0003 s does not divide" in row["error"]
+    assert all(row[column.name] is None for column in MEASURES)
+
+
+def test_columns_have_unit_and_description():
+    by_name = {column.name: column for column in columns(STUDY)}
+    assert by_name["control.impedance.mass"].unit == "kg"
+    assert by_name["contact.corner"].kind is str
+    assert all(column.unit and column.description for column in by_name.values())
+
+
+def test_a_task_travels_as_a_small_pickle():
+    packed = pickle.dumps(task())
+    assert pickle.loads(packed) == task()
+    assert len(packed) < 10_000
