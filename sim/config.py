@@ -543,6 +543,14 @@ class SimulationConfig(ConfigModel):
         ge=0,
         le=0.01,
     )
+    momentum_jump_limit: Number = parameter(
+        0.01,
+        "Part of all bodies' momenta that total momentum may change by in one control period, else the plant faults",
+        unit="1",
+        source="chosen: nothing pushes from outside; the worst tick of the published study leaves 3e-5",
+        gt=0,
+        le=1e6,
+    )
     seed: WholeNumber = parameter(
         0, "Seed of every random number of the run", unit="1", source="chosen", ge=0, le=2**63 - 1
     )

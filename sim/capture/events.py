@@ -141,8 +141,14 @@ def locked_event(time: float, period: float) -> Event:
 
 
 def fault_event(time: float, period: float) -> Event:
-    """The event of a plant whose state is not finite any more."""
-    return _event_at(time, period, "fault", "error", "The plant's state is not finite: it can no longer be trusted")
+    """The event of a plant whose state can no longer be trusted."""
+    return _event_at(
+        time,
+        period,
+        "fault",
+        "error",
+        "The plant's state is not finite or its momentum jumped",
+    )
 
 
 def verdict_event(outcome: Outcome, time: float, period: float) -> Event:

@@ -198,11 +198,14 @@ class Mission:
             The ticks flown, an array of `TICK`.
 
         Raises:
-            PlantDiverged: the plant's state was not finite after the last call, which gave its ticks; phase `faulted`.
+            PlantDiverged: the last call, which gave its ticks, ended in a state not to be trusted; phase `faulted`.
 
         """
         if self.phase is Phase.FAULTED:
-            raise PlantDiverged(f"the simulated state is not finite after {self.time:.3f} s", tip="reset the mission")
+            raise PlantDiverged(
+                f"the simulated state is not finite, or its momentum jumped, at {self.time:.3f} s",
+                tip="reset the mission",
+            )
         rows = np.zeros(ticks, TICK)
         plant = self._plant
         flown, finite = fly(

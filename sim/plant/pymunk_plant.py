@@ -64,6 +64,8 @@ _TARGET_TYPE, _BASE_TYPE, _ARM_TYPE = 1, 2, 3
 
 
 _RIGID = code_of(HandMount.RIGID)
+_STILL = 1e-9
+"""Momentum of a plant at rest, for judging jumps [N s]: far above rounding."""
 
 
 @compiled
@@ -132,11 +134,13 @@ class PymunkPlant:
         """Apply joint rates [rad/s], shape (2, 3), for one control period; the state after it.
 
         Raises:
-            PlantDiverged: the state is not finite.
+            PlantDiverged: the state is not finite, or total momentum jumped.
 
         """
         if not advance_plant(self.handle, self.parameters, joint_rate, self.state):
-            raise PlantDiverged(f"the simulated state is not finite at {self.state['time']:.3f} s")
+            raise PlantDiverged(
+                f"the simulated state is not finite, or its momentum jumped, at {self.state['time']:.3f} s"
+            )
         return self.state
 
     def _watch_solid_contacts(self, solid: IntArray) -> None:
@@ -273,14 +277,30 @@ def observe(handle: PlantHandle, state: Record) -> None:
 def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
     """Step the space through one control period under joint rates [rad/s], shape (2, 3).
 
-    The state is read back after the last step. Returns False if it is not finite.
+    The state is read back after every step. Returns False if it can no longer be trusted: it is not finite, or
+    total momentum has jumped.
     """
+    before = state.momentum.copy()
     steps = round(parameters.control.period / parameters.simulation.time_step)
     for _ in range(steps):
         _step(handle, parameters, joint_rate, state)
     state.tick += 1
     state.time = state.tick * parameters.control.period
-    return is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
+    limit = parameters.simulation.momentum_jump_limit * _momentum_of_all_bodies(handle)
+    kept = True
+    for axis in range(3):
+        kept = kept and abs(state.momentum[axis] - before[axis]) <= limit
+    return kept and is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
+
+
+@compiled
+def _momentum_of_all_bodies(handle: PlantHandle) -> float:
+    """The sum of the sizes of all bodies' momenta, by which a jump is judged [N s, with N m s at 1 m]."""
+    total = _STILL
+    for body in range(BODIES):
+        speed = math.hypot(handle.twist[body, 0], handle.twist[body, 1])
+        total += handle.masses[body] * speed + handle.inertias[body] * abs(handle.twist[body, 2])
+    return total
 
 
 @compiled

@@ -261,3 +261,26 @@ def test_a_target_that_overlaps_the_robot_starts_no_mission():
     overlapping = MissionConfig().target.model_copy(update={"initial_y": 0.12})
     with pytest.raises(ConfigError, match=r"target\.initial_y = 0\.12 m.*overlaps"):
         Mission(MissionConfig().model_copy(update={"target": overlapping}))
+
+
+class TestMomentumThatJumps:
+    """Nothing pushes from outside: a change of total momentum is a plant that can no longer be trusted."""
+
+    def test_is_a_fault_that_keeps_the_ticks_so_far(self):
+        mission = mission_in(Phase.DETUMBLING)
+        mission._plant._bodies[-1].velocity = (0.05, 0.0)
+        rows = mission.advance(10)
+        assert len(rows) >= 1
+        assert mission.phase is Phase.FAULTED
+        assert [event.severity for event in mission.take_events() if event.kind == "fault"] == ["error"]
+        with pytest.raises(PlantDiverged, match="momentum jumped"):
+            mission.advance(1)
+
+    def test_is_bounded_by_the_configuration(self):
+        config = revised(MissionConfig(), nested({"simulation.momentum_jump_limit": 10.0}))
+        mission = Mission(config)
+        mission.request(Command.CAPTURE)
+        mission.advance(5)
+        mission._plant._bodies[-1].velocity = (0.05, 0.0)
+        mission.advance(10)
+        assert mission.phase is Phase.DETUMBLING
