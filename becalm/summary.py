@@ -13,7 +13,7 @@ _HEADLINES = {
     "caged_unplanned_contact": "Caged, after a contact that was not planned",
     "ejection": "Failed: the target left the robot's reach",
     "base_collision": "Failed: the target struck the base",
-    "unresolved": "Unresolved when the time was up",
+    "unresolved": "Unresolved: not caged, or never closed around a slow target",
 }
 
 
@@ -46,7 +46,11 @@ def as_text(record: RunRecord, outcome: Outcome) -> str:
         ("configuration", f"{record.configuration}, seed {record.config.simulation.seed}"),
         ("run", record.id),
     ]  # fmt: skip
-    lines = [_HEADLINES[outcome.outcome.value], ""]
+    lines = [
+        f"With locked arms:    {_HEADLINES[outcome.at_locked_arms.value]}",
+        f"By the paper's rule: {_HEADLINES[outcome.at_first_closure.value]}",
+        "",
+    ]
     lines += [f"  {name:<22}{value}" for name, value in facts]
     return "\n".join([*lines, "", *_contacts(outcome)])
 

@@ -67,6 +67,8 @@ class Subscriber:
             self._ready.clear()
             await self._ready.wait()
         frame = self._frames.popleft()
+        if frame.kind == "reset":  # what was taken before it is never acknowledged by the ticks after it
+            self._unacknowledged.clear()
         if frame.kind == "snapshot" and self._acknowledges:
             self._unacknowledged.append(frame.tick)
         return frame

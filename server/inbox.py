@@ -96,14 +96,26 @@ class Inbox:
         return stops
 
     def requests(self) -> Iterator[tuple[Request, Answer]]:
-        """Take the queued requests one by one, the oldest first, but for those that were given up."""
-        while self._requests:
+        """Take the queued requests one by one, the oldest first, but for those that were given up.
+
+        Ends as soon as a STOP is asked for: what waits then is for the next turn, after it.
+        """
+        while self._requests and not self._stops:
             request, answer = self._requests.popleft()
             if answer.set_running_or_notify_cancel():
                 yield request, answer
 
+    def refuse_requests(self, error: Exception) -> None:
+        """Answer every request that waits with this error, but no STOP."""
+        with self._lock:
+            waiting, self._requests = self._requests, deque()
+        for _, answer in waiting:
+            if answer.set_running_or_notify_cancel():
+                answer.set_exception(error)
+
     def refuse_all(self, error: Exception) -> None:
         """Answer everything that waits with this error."""
-        for _, answer in (*self.stops(), *self.requests()):
+        for _, answer in self.stops():
             if not answer.cancelled():
                 answer.set_exception(error)
+        self.refuse_requests(error)

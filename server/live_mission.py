@@ -20,7 +20,7 @@ from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import named_configuration
 from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
-from sim.errors import MissionRefused
+from sim.errors import MissionRefused, PlantDiverged
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
 RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
@@ -149,6 +149,9 @@ class LiveMission:
             self._activity = Activity(int(rows["activity"][-1]))
             self.run.keep(rows)
             self._keep(rows)
+        if self._mission.phase is Phase.FAULTED:
+            self.fail(PlantDiverged(f"the simulated state can no longer be trusted after {self._time:.3f} s"))
+            return len(rows)
         self._take_events()
         self._note_stillness()
         return len(rows)

@@ -196,6 +196,9 @@ class MissionLoop:
         stops = self._inbox.stops()
         if stops:
             self._flying.stop()
+            # Nothing that was asked for before a STOP may set the arms in motion after it.
+            tip = "look at the robot, then ask again"
+            self._inbox.refuse_requests(MissionRefused("a STOP came before this was looked at", tip=tip))
             self._finish_step("stopped")
         granted = []
         for request, answer in stops:
@@ -213,6 +216,11 @@ class MissionLoop:
             except CaptureError as refusal:
                 flying.log_request(request, accepted=False, message=str(refusal))
                 answer.set_exception(refusal)
+                continue
+            except Exception as error:
+                # What asked is at fault, not the mission: it flies on, and who asked is told.
+                log.exception("%s could not be carried out", request.command)
+                answer.set_exception(error)
                 continue
             if flying is self._mission:  # else it was logged in the run that it ended
                 flying.log_request(request, accepted=True, message=message)

@@ -100,9 +100,11 @@ class Recorder:
     def _guarded(self, work: Callable[[], None]) -> None:
         try:
             work()
-        except OSError as error:
+        except Exception as error:
+            # The thread outlives every failure: the next run may be recorded again.
             log.exception("the recorder cannot write")
-            self.failure = f"{error.strerror or error} ({self._store.root})"
+            reason = error.strerror if isinstance(error, OSError) else None
+            self.failure = f"{reason or error} ({self._store.root})"
             if self._writer is not None:
                 self._writer.abandon()
                 self._writer = None
@@ -120,6 +122,6 @@ class Recorder:
             act(self._writer)
 
     def _close(self, changes: dict[str, Any]) -> None:
-        writer, self._writer = self._writer, None
-        if writer is not None:
-            writer.close(**changes)
+        if self._writer is not None:
+            self._writer.close(**changes)  # a failure leaves it to `_guarded`, which abandons it
+            self._writer = None

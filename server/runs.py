@@ -132,8 +132,10 @@ class RunStore:
         self.discard(run_id)
 
     def discard(self, run_id: str) -> None:
-        """Remove a run, whatever its state."""
-        folder = self._folder(run_id)
+        """Remove a run, whatever its state; one that was never written is gone already."""
+        if not _ID.fullmatch(run_id):
+            raise _not_found(run_id)
+        folder = self.root / run_id
         (folder / RECORD_NAME).unlink(missing_ok=True)  # first, so that what is half removed is no run any more
         shutil.rmtree(folder, ignore_errors=True)
 

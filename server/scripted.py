@@ -19,6 +19,7 @@ from pathlib import Path
 from server.problems import ServiceBusy
 from server.run_folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray
 from server.runs import RunStore, new_record, wall_clock
+from sim.capture.events import Event
 from sim.capture.run import run_capture
 from sim.config import MissionConfig
 from sim.errors import CaptureError
@@ -73,9 +74,11 @@ def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None]
 def _fly_to_verdict(writer: RunWriter, keep: Callable[[TickArray], None]) -> None:
     if writer.is_cancelled:
         raise _Cancelled
-    result = run_capture(writer.record.config, direct=writer.record.direct, on_ticks=keep)
-    for event in result.events:
+
+    def log(event: Event) -> None:
         writer.log(LoggedEvent(**event.model_dump(), at=wall_clock()))
+
+    result = run_capture(writer.record.config, direct=writer.record.direct, on_ticks=keep, on_event=log)
     writer.close(status="finished", outcome=result.outcome, real_time_factor=result.real_time_factor)
 
 

@@ -19,6 +19,9 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 WholeNumber = Annotated[int, Field(strict=True)]
 
+_MOST_STEPS = 100
+"""Physics steps in one tick: what a live mission can still be stopped between."""
+
 LIVE = "live"
 """Marks a parameter that may change while a mission flies; the others take a reset."""
 
@@ -86,13 +89,13 @@ class BaseConfig(ConfigModel):
 
     width: Number = parameter(0.320, "Extent along the base's x axis", unit="m", source="Table I, l_a", gt=0, le=5)
     depth: Number = parameter(0.160, "Extent along the base's y axis", unit="m", source="Table I, l_b", gt=0, le=5)
-    mass: Number = parameter(8.3084, "Mass", unit="kg", source="authors; Table I rounds to 8.31", gt=0, le=1e4)
+    mass: Number = parameter(8.3084, "Mass", unit="kg", source="authors; Table I rounds to 8.31", gt=1e-3, le=1e4)
     inertia: Number = parameter(
         0.13526810,
         "Moment of inertia about the centre of mass",
         unit="kg m2",
         source="authors; Table I: 0.135",
-        gt=0,
+        gt=1e-8,
         le=1e4,
     )
     centre_of_mass_ahead: Number = parameter(
@@ -109,9 +112,9 @@ class LinkConfig(ConfigModel):
     """A link along its own +y axis, from its proximal joint."""
 
     length: Number = parameter(0.1, "Distance between its joints", unit="m", source="see the arm", gt=0, le=5)
-    mass: Number = parameter(0.1, "Mass", unit="kg", source="see the arm", gt=0, le=1e3)
+    mass: Number = parameter(0.1, "Mass", unit="kg", source="see the arm", gt=1e-4, le=1e3)
     inertia: Number = parameter(
-        1e-3, "Moment of inertia about its centre of mass", unit="kg m2", source="see the arm", gt=0, le=1e3
+        1e-3, "Moment of inertia about its centre of mass", unit="kg m2", source="see the arm", gt=1e-8, le=1e3
     )
     centre_of_mass: Number = parameter(
         0.05, "Centre of mass from the proximal joint", unit="m", source="see the arm", ge=0, le=5
@@ -124,9 +127,9 @@ class HandConfig(ConfigModel):
     centre_offset: Number = parameter(
         0.041556, "Hand centre beyond the end of link 3", unit="m", source="authors", ge=0, le=1
     )
-    mass: Number = parameter(0.065, "Mass of the hand alone", unit="kg", source="authors", ge=0, le=100)
+    mass: Number = parameter(0.065, "Mass of the hand alone", unit="kg", source="authors", gt=1e-4, le=100)
     inertia: Number = parameter(
-        1.1548e-4, "Moment of inertia about its centre of mass", unit="kg m2", source="authors", ge=0, le=100
+        1.1548e-4, "Moment of inertia about its centre of mass", unit="kg m2", source="authors", gt=1e-8, le=100
     )
     centre_of_mass: Number = parameter(
         0.02078, "Centre of mass beyond the end of link 3", unit="m", source="authors", ge=0, le=1
@@ -219,9 +222,14 @@ class TargetConfig(ConfigModel):
     """The debris: a square prism seen from above, and how it moves at the start."""
 
     side: Number = parameter(0.150, "Length of a side", unit="m", source="Table I, l_t", gt=0, le=2)
-    mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=0, le=1e4)
+    mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=1e-3, le=1e4)
     inertia: Number = parameter(
-        9.32724e-3, "Moment of inertia about its centre", unit="kg m2", source="authors; Table I: 9.33e-3", gt=0, le=1e4
+        9.32724e-3,
+        "Moment of inertia about its centre",
+        unit="kg m2",
+        source="authors; Table I: 9.33e-3",
+        gt=1e-8,
+        le=1e4,
     )
     initial_x: Number = parameter(
         0.0, "Centre at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
@@ -266,7 +274,7 @@ class ImpedanceConfig(ConfigModel):
     """Virtual impedance of a hand in admittance control, times identity on (x, y, angle) (eq. 3)."""
 
     mass: Number = parameter(
-        0.10, "Virtual mass m", unit="kg", source="Sec. IV-B, representative case", gt=0, le=100, live=True
+        0.10, "Virtual mass m", unit="kg", source="Sec. IV-B, representative case", gt=1e-4, le=100, live=True
     )
     damping: Number = parameter(
         1.5, "Damping d", unit="N s/m", source="Sec. IV-B, representative case", ge=0, le=1e4, live=True
@@ -465,7 +473,7 @@ class RateConfig(ConfigModel):
 class ControlConfig(ConfigModel):
     """The controller."""
 
-    period: Number = parameter(1e-3, "Control period", unit="s", source="authors: step 1 ms", gt=0, le=0.05)
+    period: Number = parameter(1e-3, "Control period", unit="s", source="authors: step 1 ms", gt=1e-4, le=0.05)
     impedance: ImpedanceConfig = ImpedanceConfig()
     touch: TouchConfig = TouchConfig()
     caging: CagingConfig = CagingConfig()
@@ -517,7 +525,7 @@ class SimulationConfig(ConfigModel):
     """The pymunk plant's numerics (docs/decisions, findings)."""
 
     time_step: Number = parameter(
-        1e-3, "Physics step; divides the control period", unit="s", source="authors: 1 ms", gt=0, le=0.05
+        1e-3, "Physics step; divides the control period", unit="s", source="authors: 1 ms", ge=1e-5, le=0.05
     )
     solver_iterations: WholeNumber = parameter(
         25,
@@ -574,6 +582,11 @@ class MissionConfig(ConfigModel):
             raise ValueError(
                 f"simulation.time_step = {step:g} s does not divide control.period = {period:g} s; "
                 f"take a whole fraction of it, such as {period:g} or {period / 2:g}"
+            )
+        if steps > _MOST_STEPS:
+            raise ValueError(
+                f"simulation.time_step = {step:g} s makes {steps} steps of control.period = {period:g} s; "
+                f"at most {_MOST_STEPS} can be flown in time, so take {period / _MOST_STEPS:g} or more"
             )
         return self
 

@@ -95,7 +95,8 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
         result = MissionConfig.model_validate_json(json.dumps(tree))
     except ValidationError as error:
         raise ConfigError(
-            explained(error), tip="every parameter stands in sim/config.py, with unit, bounds and source"
+            explained(error),
+            tip="the console and GET /api/v1/mission/config/schema list every parameter with its bounds",
         ) from None
     require_clear_start(result)
     return result

@@ -252,7 +252,7 @@ class Mission:
             spin_threshold=self.config.control.caging.spin_threshold,
             drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
             cage_closed=bool(row["closed"]),
-            cage_margin=self._outcome.cage_margin if self._outcome else None,
+            cage_margin=self._outcome.cage_margin if self._outcome and self.phase is Phase.HOLDING else None,
             peak_tip_force=float(notes["peak"]),
             momentum=_vector(row["momentum"]),
             contacts=touches,

@@ -34,7 +34,11 @@ class RunResult:
 
 
 def run_capture(
-    config: MissionConfig, *, direct: bool = False, on_ticks: Callable[[Ticks], None] | None = None
+    config: MissionConfig,
+    *,
+    direct: bool = False,
+    on_ticks: Callable[[Ticks], None] | None = None,
+    on_event: Callable[[Event], None] | None = None,
 ) -> RunResult:
     """Fly a capture, or direct caging, from the start to its verdict.
 
@@ -42,6 +46,7 @@ def run_capture(
         config: of the run; `judging.time_limit` bounds it.
         direct: without detumbling.
         on_ticks: called with consecutive arrays of `TICK`; what it raises ends the run.
+        on_event: called with every event as it happens, before the ticks it is among.
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
@@ -51,11 +56,13 @@ def run_capture(
     mission = Mission(config)
     mission.request(Command.DIRECT_CAGE if direct else Command.CAPTURE)
     ticks, wall_time = 0, 0.0
+    events: list[Event] = []
     while mission.outcome is None:
         before = time.perf_counter()
         rows = mission.advance(_CHUNK)
         wall_time += time.perf_counter() - before
         ticks += len(rows)
+        events += _told(mission, on_event)
         if on_ticks is not None:
             on_ticks(rows)
     return RunResult(
@@ -63,5 +70,14 @@ def run_capture(
         ticks=ticks,
         simulated_time=mission.time,
         wall_time=wall_time,
-        events=mission.take_events(),
+        events=events,
     )
+
+
+def _told(mission: Mission, on_event: Callable[[Event], None] | None) -> list[Event]:
+    """The events since the last call, told one by one."""
+    events = mission.take_events()
+    for event in events:
+        if on_event is not None:
+            on_event(event)
+    return events

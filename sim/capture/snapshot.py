@@ -123,7 +123,7 @@ class Snapshot(Published):
     spin_threshold: float = Field(description="Below it caging may begin [rad/s]")
     drift: float = Field(description="Speed of the target's centre [m/s]")
     cage_closed: bool = Field(description="The tips enclose the target at its present angle")
-    cage_margin: float | None = Field(description="Margin of the locked cage [m]; null before, or if it is none")
+    cage_margin: float | None = Field(description="Margin of the locked cage [m]; null unless the arms hold one")
     peak_tip_force: float = Field(description="So far [N]")
     momentum: Vector3 = Field(description="Of robot and target about the world's origin [N s, N m s]")
     contacts: list[Touch]

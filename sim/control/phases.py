@@ -83,7 +83,7 @@ _TRANSITIONS: dict[Command, tuple[tuple[Phase, ...], Phase, Sequence]] = {
     Command.DETUMBLE: (_STARTABLE, Phase.DETUMBLING, Sequence.DETUMBLE_ONLY),
     Command.CAGE: ((*_STARTABLE, Phase.DETUMBLING), Phase.CAGING, Sequence.CAGE_ONLY),
     Command.DIRECT_CAGE: ((Phase.IDLE,), Phase.CAGING, Sequence.DIRECT_CAGE),
-    Command.HOLD: ((*_ACTIVE, Phase.RELEASED, Phase.HOLDING), Phase.HOLDING, Sequence.NONE),
+    Command.HOLD: ((*_ACTIVE, Phase.RELEASED), Phase.HOLDING, Sequence.NONE),
     Command.RELEASE: ((Phase.HOLDING,), Phase.RELEASED, Sequence.NONE),
 }
 

@@ -80,7 +80,7 @@ async def test_schema_tells_everything_about_every_parameter(console):
     assert damping["live"]
     assert damping["minimum"] == 0
     assert damping["default"] == 1.5
-    assert by_path["target.mass"]["exclusive_minimum"] == 0
+    assert by_path["target.mass"]["exclusive_minimum"] == 1e-3
     assert by_path["contact.corner"]["choices"] == ["face", "radial"]
     assert all(parameter["source"] for parameter in by_path.values())
 

@@ -95,3 +95,19 @@ async def test_feed_reaches_every_subscriber_from_another_thread():
     async with asyncio.timeout(10):
         await watchers[1].next()
     assert not watchers[0]._frames
+
+
+async def test_snapshots_from_before_a_reset_hold_nobody_up_after_it():
+    """What waited when the mission began anew is sent too, but is never acknowledged by the new mission's ticks."""
+    subscriber = Subscriber(RATE)
+    subscriber.offer(_snapshot(10_000), 0.0)
+    await subscriber.next()
+    subscriber.acknowledge(10_000)
+    subscriber.offer(_snapshot(10_001), 1.0)
+    subscriber.offer(Frame("reset", "reset", 0), 1.0)
+    sent = []
+    for tick in range(2 * UNACKNOWLEDGED_LIMIT):
+        subscriber.offer(_snapshot(tick), 2.0 + tick / RATE)
+        sent += await _drained(subscriber)
+        subscriber.acknowledge(tick)
+    assert sent[-1] == str(2 * UNACKNOWLEDGED_LIMIT - 1)

@@ -6,6 +6,7 @@ import pytest
 
 from server.inbox import CAPACITY, Inbox, Request
 from server.problems import ServiceBusy
+from sim.errors import MissionRefused
 
 
 def test_requests_come_out_in_order():
@@ -50,3 +51,25 @@ def test_refuse_all():
     inbox.refuse_all(ServiceBusy("ending"))
     with pytest.raises(ServiceBusy, match="ending"):
         waiting.result(0)
+
+
+def test_nothing_more_is_taken_once_a_stop_is_asked_for():
+    inbox = Inbox()
+    for command in ("pause", "reset", "capture"):
+        inbox.put(Request(command))
+    taken = []
+    for request, _ in inbox.requests():
+        taken.append(request.command)
+        inbox.put(Request("stop"))
+    assert taken == ["pause"]
+    assert len(inbox.stops()) == 1
+
+
+def test_what_waits_when_a_stop_comes_is_refused():
+    inbox = Inbox()
+    waiting = [inbox.put(Request(command)) for command in ("reset", "capture")]
+    inbox.put(Request("stop"))
+    inbox.refuse_requests(MissionRefused("a STOP came first"))
+    assert all(isinstance(answer.exception(timeout=0), MissionRefused) for answer in waiting)
+    assert list(inbox.requests()) == []
+    assert len(inbox.stops()) == 1

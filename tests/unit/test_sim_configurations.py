@@ -143,7 +143,7 @@ class TestSettings:
             parse_setting("control.impedence.damping=3")
 
     def test_are_checked_when_they_are_applied(self):
-        with pytest.raises(ConfigError, match=r"target\.mass = -1: .*greater than 0 \[kg\]"):
+        with pytest.raises(ConfigError, match=r"target\.mass = -1: .*greater than 0\.001 \[kg\]"):
             revised(MissionConfig(), parse_setting("target.mass=-1"))
 
 

@@ -20,7 +20,6 @@ TABLE = {
     (HOLDING, Command.CAPTURE): (DETUMBLING, Sequence.CAPTURE),
     (HOLDING, Command.DETUMBLE): (DETUMBLING, Sequence.DETUMBLE_ONLY),
     (HOLDING, Command.CAGE): (CAGING, Sequence.CAGE_ONLY),
-    (HOLDING, Command.HOLD): (HOLDING, Sequence.NONE),
     (HOLDING, Command.RELEASE): (RELEASED, Sequence.NONE),
     (RELEASED, Command.CAPTURE): (DETUMBLING, Sequence.CAPTURE),
     (RELEASED, Command.DETUMBLE): (DETUMBLING, Sequence.DETUMBLE_ONLY),

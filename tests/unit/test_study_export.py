@@ -14,7 +14,7 @@ from sim.study.run import MEASURES, failed_row
 from sim.study.table import StudyTable
 
 MASS = "control.impedance.mass"
-STUDY = study_of({"grid": {MASS: [0.1 + 0.2, 1e-7, 2.0]}})
+STUDY = study_of({"grid": {MASS: [0.1 + 0.2, 2e-4, 2.0]}})
 VALUES = {float: 1.0 / 3.0, int: 7, bool: False, str: "base_collision"}
 
 
@@ -34,7 +34,7 @@ def test_csv(table, tmp_path):
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == [column.name for column in table.columns]
-    assert [float(row[MASS]) for row in rows] == [0.1 + 0.2, 1e-7, 2.0]
+    assert [float(row[MASS]) for row in rows] == [0.1 + 0.2, 2e-4, 2.0]
     assert (rows[0]["outcome"], rows[0]["caged"], float(rows[0]["duration"])) == ("base_collision", "false", 1 / 3)
     assert (rows[2]["outcome"], rows[2]["caged"], rows[2]["duration"]) == ("", "", "")
     assert rows[2]["error"] == 'worker died, "twice"\nhere'
