@@ -20,7 +20,7 @@ def test_edits_are_staged_bounded_and_applied_together(console: Page, service: S
     field("Mass").fill("0")
     field("Damping").fill("3")
     staged = console.get_by_role("region", name="Staged changes")
-    expect(console.get_by_text("must be greater than 0 kg")).to_be_visible()
+    expect(console.get_by_text("must be greater than 1e-4 kg")).to_be_visible()
     expect(staged.get_by_role("button", name="Apply")).to_be_disabled()
     assert service.ask("/mission/config")["config"]["control"]["impedance"] == before
 
