@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 
 import pytest
 
 from server.inbox import Request
+from sim.errors import MissionRefused
 
 ACTIVE = {"capture": "detumbling", "detumble": "detumbling", "cage": "caging", "direct_cage": "caging"}
 
@@ -228,3 +230,43 @@ async def test_a_failing_tick_is_a_fault_that_a_reset_ends(console, monkeypatch)
     assert "for the test" in run["note"]
     await console.granted("reset")
     assert (await console.snapshot())["phase"] == "idle"
+
+
+async def test_a_plant_that_diverges_is_a_fault_and_its_run_failed(console, monkeypatch):
+    """The real path: the plant answers that its state cannot be trusted, and nothing raises."""
+
+    def diverging(*arguments):
+        return 1, False
+
+    await console.granted("capture")
+    with monkeypatch.context() as patch:
+        patch.setattr("sim.capture.mission.fly", diverging)
+        faulted = await console.until(lambda snapshot: snapshot.phase == "faulted")
+    run = await console.until_run(faulted.run_id, "failed")
+    assert "trusted" in run["note"]
+    events = (await console.http.get(f"/runs/{faulted.run_id}/events")).json()
+    assert "fault" in [event["kind"] for event in events]
+
+
+async def test_nothing_asked_before_a_stop_moves_the_arms_after_it(console, monkeypatch):
+    """Reset, capture and STOP wait together: without care the STOP would hit the mission that the reset ends."""
+    loop = console.services.loop
+    held, go_on = threading.Event(), threading.Event()
+    asleep = loop._sleep
+
+    def hold_the_turn():
+        held.set()
+        assert go_on.wait(10)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "_sleep", hold_the_turn)
+        assert await asyncio.to_thread(held.wait, 10)
+        waiting = [loop.ask(Request("reset")), loop.ask(Request("capture"))]
+        stop = loop.ask(Request("stop"))
+        patch.setattr(loop, "_sleep", asleep)
+        go_on.set()
+        assert (await asyncio.wrap_future(stop)).phase == "stopped"
+        for answer in waiting:
+            with pytest.raises(MissionRefused, match="STOP"):
+                await asyncio.wrap_future(answer)
+    assert (await console.snapshot())["phase"] == "stopped"

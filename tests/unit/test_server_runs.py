@@ -130,3 +130,11 @@ def test_run_of_another_version_does_not_hide_the_rest(store):
     path = store.root / strange.id / "run.json"
     path.write_text(path.read_text().replace('"direct"', '"indirect"'))
     assert [reader.record.id for reader in store.newest()] == [good.id]
+
+
+def test_a_run_that_was_never_written_can_be_discarded(store):
+    """A full disk: the folder could not be made, and the reset that the operator is advised to must go through."""
+    record = _record()
+    store.discard(record.id)
+    with pytest.raises(RunNotFound):
+        store.record(record.id)
