@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from typing import Any
 
 from server.inbox import Request
 from server.live_run import LiveRun
@@ -16,6 +17,7 @@ from server.run_folder import LoggedEvent, RunStatus, TickArray
 from server.runs import wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
+from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import named_configuration
@@ -24,6 +26,9 @@ from sim.errors import MissionRefused, PlantDiverged
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
 RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
+
+_FLOWN_UNDER = frozenset(command.value for command in Command)
+"""The requests that change what is flown; the others change the clock or the mission."""
 
 log = logging.getLogger(__name__)
 
@@ -52,6 +57,8 @@ class LiveMission:
         self._activity = Activity.NONE
         self._tick, self._time = 0, 0.0
         self._name = display_name(configuration, config)
+        self._initial = config
+        self._interventions: list[Intervention] = []
         self.configuration = configuration
         self.problems = ProblemBoard()
         self.run = LiveRun(recorder, self._name, config)
@@ -65,6 +72,11 @@ class LiveMission:
     def config(self) -> MissionConfig:
         """In force."""
         return self._mission.config
+
+    @property
+    def history(self) -> FlightHistory:
+        """All that the mission's ticks until now follow from."""
+        return FlightHistory(config=self._initial, interventions=tuple(self._interventions))
 
     @property
     def phase(self) -> Phase:
@@ -100,11 +112,13 @@ class LiveMission:
         """
         next_phase(self.phase, command)
         self._mission.request(command)
+        self._interventions.append(Intervention(tick=self._mission.next_tick, command=command))
         self.run.begin(self._name, self.config)
 
     def stop(self) -> None:
         """Stop at once, in any phase."""
         self._mission.stop()
+        self._interventions.append(Intervention(tick=self._mission.next_tick, command=Command.STOP))
         self._take_events()
 
     def can_take(self, config: MissionConfig) -> bool:
@@ -133,7 +147,7 @@ class LiveMission:
         self._take_events()
         message = "; ".join(f"{path}: {old} to {new}" for path, (old, new) in changes.items())
         if message:
-            self._note(Event(time=self.time, tick=self.tick, kind="config", severity="info", message=message))
+            self._note_changes(message, {path: new for path, (_, new) in changes.items()})
 
     def advance(self, ticks: int) -> int:
         """Fly up to this many ticks; how many were flown. A failure of the plant is noted, not raised."""
@@ -191,6 +205,7 @@ class LiveMission:
                 who=request.who,
                 command=request.command,
                 accepted=accepted,
+                takes_effect=self._mission.next_tick if accepted and request.command in _FLOWN_UNDER else None,
             )
         )
 
@@ -209,6 +224,12 @@ class LiveMission:
             self.problems.show(event.kind, problem)
         if event.kind == "verdict" and self._mission.outcome is not None:
             self.run.conclude(self._mission.outcome)
+
+    def _note_changes(self, message: str, changes: dict[str, Any]) -> None:
+        tick = self._mission.next_tick
+        self._interventions.append(Intervention(tick=tick, changes=changes))
+        event = Event(time=self.time, tick=self.tick, kind="config", severity="info", message=message)
+        self._log(LoggedEvent(**event.model_dump(), at=wall_clock(), takes_effect=tick, changes=changes))
 
     def _log(self, event: LoggedEvent) -> None:
         self.run.log(event)

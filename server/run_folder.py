@@ -21,11 +21,13 @@ from pydantic import Field
 from server.claim import Claim
 from server.versions import versions
 from sim.capture.events import Event
+from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Outcome, Published
 from sim.capture.tick import TICK
 from sim.config import MissionConfig
+from sim.control.phases import Command
 
-RunKind = Literal["live", "scripted"]
+RunKind = Literal["live", "scripted", "study", "fork"]
 RunStatus = Literal["queued", "running", "finished", "failed", "cancelled"]
 TickArray = np.ndarray[Any, np.dtype[Any]]
 
@@ -88,6 +90,8 @@ class RunRecord(Published):
     outcome: Outcome | None = None
     real_time_factor: float | None = Field(None, description="Simulated seconds a second; of a scripted run")
     note: str | None = None
+    parent: str | None = Field(None, description="The run that this one was forked from, or the study that it is of")
+    forked_at: int | None = Field(None, description="The tick of the parent from which on this run is its own")
     versions: dict[str, str] = Field(default_factory=versions)
     layout: TickLayout = Field(default_factory=_stored_layout)
 
@@ -104,6 +108,17 @@ class LoggedEvent(Event):
     who: str | None = None
     command: str | None = None
     accepted: bool | None = None
+    takes_effect: int | None = Field(None, description="First tick flown under the command or the changes")
+    changes: dict[str, Any] | None = Field(None, description="Full path of each changed parameter to its new value")
+
+    @property
+    def intervention(self) -> Intervention | None:
+        """What a re-run has to do again, if this event is of that kind."""
+        if self.takes_effect is None:
+            return None
+        if self.changes is not None:
+            return Intervention(tick=self.takes_effect, changes=self.changes)
+        return None if self.command is None else Intervention(tick=self.takes_effect, command=Command(self.command))
 
 
 def read_record(folder: Path) -> RunRecord:
@@ -231,3 +246,13 @@ class RunReader:
             for line in file:
                 if line.endswith(b"\n"):
                     yield json.loads(line)
+
+    def history(self) -> FlightHistory:
+        """What the run's ticks follow from, for a simulated plant.
+
+        Parameters that were edited before the first command are in the record's configuration already; none of them
+        acts on a mission that idles.
+        """
+        events = map(LoggedEvent.model_validate, self.events())
+        done = tuple(event.intervention for event in events if event.intervention is not None)
+        return FlightHistory(config=self.record.config, interventions=done)

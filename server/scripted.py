@@ -22,6 +22,7 @@ from server.runs import RunStore, new_record, wall_clock
 from sim.capture.events import Event
 from sim.capture.run import run_capture
 from sim.config import MissionConfig
+from sim.control.phases import Command
 from sim.errors import CaptureError
 
 CAPACITY = 64
@@ -78,8 +79,18 @@ def _fly_to_verdict(writer: RunWriter, keep: Callable[[TickArray], None]) -> Non
     def log(event: Event) -> None:
         writer.log(LoggedEvent(**event.model_dump(), at=wall_clock()))
 
+    command = Command.DIRECT_CAGE if writer.record.direct else Command.CAPTURE
+    writer.log(_granted(command))
     result = run_capture(writer.record.config, direct=writer.record.direct, on_ticks=keep, on_event=log)
     writer.close(status="finished", outcome=result.outcome, real_time_factor=result.real_time_factor)
+
+
+def _granted(command: Command) -> LoggedEvent:
+    """The command that a scripted run begins with."""
+    return LoggedEvent(
+        time=0.0, tick=0, kind="command", severity="info", message=f"{command.value} granted",
+        at=wall_clock(), who="script", command=command.value, accepted=True, takes_effect=0,
+    )  # fmt: skip
 
 
 def _fly_in_worker(root: Path, run_id: str) -> None:

@@ -43,7 +43,7 @@ from sim.control.memory import MEMORY, NEVER, PlanKind
 from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
 from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged
-from sim.model.robot import Chain, chain
+from sim.model.robot import Chain, RobotModel, chain
 from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
 from sim.record import Record, record_of
 
@@ -65,19 +65,68 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        before = notes.verdict
-        links = chain(handle.robot, state.base_pose, state.joint_angle, state.mount_angle)
-        judge(notes, memory, parameters, handle.robot, state, links)
-        if notes.verdict != before:
-            memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
-            memory.sequence = Sequence.NONE
-        control(memory, parameters, transition, handle.robot, state, links)
-        _write(rows[place], memory, notes, state, links)
+        over = _decide(handle.robot, parameters, transition, memory, notes, state, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
-        if notes.verdict != before:
+        if over:
             return place + 1, True
     return rows.shape[0], True
+
+
+@compiled
+def _decide(
+    robot: RobotModel,
+    parameters: Record,
+    transition: FloatArray,
+    memory: Record,
+    notes: Record,
+    state: Record,
+    row: Record,
+) -> bool:
+    """Judge a state, command joint rates from it, and write both as a row of `TICK`; whether a verdict fell."""
+    before = notes.verdict
+    links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
+    judge(notes, memory, parameters, robot, state, links)
+    over = bool(notes.verdict != before)
+    if over:
+        memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
+        memory.sequence = Sequence.NONE
+    control(memory, parameters, transition, robot, state, links)
+    _write(row, memory, notes, state, links)
+    return over
+
+
+@compiled
+def follow(
+    robot: RobotModel,
+    parameters: Record,
+    transition: FloatArray,
+    memory: Record,
+    notes: Record,
+    state: Record,
+    recorded: Ticks,
+    rows: Ticks,
+) -> None:
+    """Judge and command from recorded states, rows of `TICK`, in place of a plant's; `rows` are filled."""
+    for place in range(recorded.shape[0]):
+        recall(recorded[place], state)
+        _decide(robot, parameters, transition, memory, notes, state, rows[place])
+
+
+@compiled
+def recall(row: Record, state: Record) -> None:
+    """The plant's state, one element of `PLANT_STATE`, from the tick that it was recorded in."""
+    state.tick, state.time = row.tick, row.time
+    state.base_pose[:], state.base_twist[:] = row.base_pose, row.base_twist
+    state.target_pose[:], state.target_twist[:] = row.target_pose, row.target_twist
+    state.joint_angle[:], state.joint_rate[:] = row.joint_angle, row.joint_rate
+    state.mount_angle[:], state.mount_rate[:] = row.mount_angle, row.mount_rate
+    state.hand_wrench[:], state.tip_force[:] = row.hand_wrench, row.tip_force
+    for arm in range(2):
+        for tip in range(2):
+            state.tip_contact[arm, tip] = row.tip_contact[arm, tip]
+    state.base_contact, state.arm_contact = row.base_contact, row.solid_contact
+    state.momentum[:] = row.momentum
 
 
 @compiled
@@ -87,15 +136,19 @@ def _write(row: Record, memory: Record, notes: Record, state: Record, links: Cha
     row.phase, row.activity, row.plan = memory.phase, memory.activity, memory.plan_count
     row.closed, row.rate_limited = memory.closed, memory.rate_limited
     row.base_overlap, row.solid_contact = notes.base_overlap, state.arm_contact > 0
+    row.base_contact = state.base_contact > 0
     row.base_pose[:], row.base_twist[:] = state.base_pose, state.base_twist
     row.target_pose[:], row.target_twist[:] = state.target_pose, state.target_twist
     row.joint_angle[:], row.joint_rate[:] = state.joint_angle, state.joint_rate
     row.commanded_joint_rate[:] = memory.commanded_joint_rate
     row.hand_pose[:] = links.hand_pose
-    row.mount_angle[:] = state.mount_angle
+    row.mount_angle[:], row.mount_rate[:] = state.mount_angle, state.mount_rate
     row.hand_twist[:] = hand_twists(state, links)
     row.desired_hand_pose[:], row.desired_hand_twist[:] = memory.desired_hand_pose, memory.desired_hand_twist
     row.hand_wrench[:], row.tip_force[:] = state.hand_wrench, state.tip_force
+    for arm in range(2):
+        for tip in range(2):
+            row.tip_contact[arm, tip] = state.tip_contact[arm, tip] != 0
     row.manipulability[:] = notes.manipulability
     row.momentum[:] = state.momentum
 
@@ -147,6 +200,11 @@ class Mission:
     def time(self) -> float:
         """Mission time [s]."""
         return float(self._plant.state["time"])
+
+    @property
+    def next_tick(self) -> int:
+        """The tick that is flown next: what is granted now holds from it on."""
+        return int(self._plant.state["tick"])
 
     @property
     def outcome(self) -> Outcome | None:
@@ -216,6 +274,26 @@ class Mission:
         if not finite:
             self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
             self._events.append(fault_event(self.time, self.config.control.period))
+        return rows
+
+    def recall(self, row: Any) -> None:
+        """See a recorded tick, one element of `TICK`, in place of the plant; such a mission follows, it never flies."""
+        recall(row, self._plant.state)
+
+    def follow(self, recorded: Ticks) -> Ticks:
+        """What is judged and commanded today in recorded states, an array of `TICK`; the same ticks again."""
+        rows = np.zeros(len(recorded), TICK)
+        plant = self._plant
+        follow(
+            plant.handle.robot,
+            plant.parameters,
+            self._transition,
+            self._memory,
+            self._notes,
+            plant.state,
+            recorded,
+            rows,
+        )
         return rows
 
     def tick(self) -> Any:

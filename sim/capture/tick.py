@@ -49,6 +49,7 @@ QUANTITIES = (
     Quantity("base_overlap", "mission", "u1"),
     Quantity("solid_contact", "mission", "u1"),
     Quantity("rate_limited", "mission", "u1"),
+    Quantity("base_contact", "mission", "u1"),
     Quantity("base_pose", "base", "f8", POSE_AXES),
     Quantity("base_twist", "base", "f8", TWIST_AXES),
     Quantity("target_pose", "target", "f8", POSE_AXES),
@@ -56,6 +57,7 @@ QUANTITIES = (
     Quantity("joint_angle", "arm", "f8", _joint_axes("rad")),
     Quantity("joint_rate", "arm", "f8", _joint_axes("rad/s")),
     Quantity("mount_angle", "arm", "f8", unit="rad"),
+    Quantity("mount_rate", "arm", "f8", unit="rad/s"),
     Quantity("commanded_joint_rate", "arm", "f8", _joint_axes("rad/s")),
     Quantity("hand_pose", "arm", "f8", POSE_AXES),
     Quantity("hand_twist", "arm", "f8", TWIST_AXES),
@@ -63,6 +65,7 @@ QUANTITIES = (
     Quantity("desired_hand_twist", "arm", "f8", TWIST_AXES),
     Quantity("hand_wrench", "arm", "f8", WRENCH_AXES),
     Quantity("tip_force", "arm", "f8", _TIP_FORCES, shape=(2, 2)),
+    Quantity("tip_contact", "arm", "u1", (("tip_1", "1"), ("tip_2", "1"))),
     Quantity("manipulability", "arm", "f8", unit="m2"),
     Quantity("momentum", "system", "f8", (("x", "N s"), ("y", "N s"), ("angular", "N m s"))),
 )

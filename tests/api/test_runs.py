@@ -13,6 +13,7 @@ from click.testing import CliRunner
 
 from becalm.cli import main
 from server.run_folder import RunRecord
+from sim.capture.replay import controlled, first_difference, rerun
 from sim.capture.run import run_capture
 from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.configurations import named_configuration, revised
@@ -208,3 +209,26 @@ async def test_unknown_format_is_refused(console):
     answer = await console.http.get(f"/runs/{live}/log", params={"format": "xlsx"})
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"] == "format"
+
+
+async def test_live_run_is_flown_again_from_its_own_log(console):
+    """Commands and edits at whatever ticks they came: the log knows which, and the same ticks follow."""
+    http = console.http
+    await console.granted("run", speed=20)
+    await console.until(lambda snapshot: snapshot.tick > 50)
+    assert (await http.patch("/mission/config", json={"control": {"impedance": {"damping": 2.0}}})).is_success
+    await console.granted("capture")
+    await console.until(lambda snapshot: snapshot.tick > 1000)
+    assert (await http.patch("/mission/config", json={"control": {"impedance": {"damping": 3.0}}})).is_success
+    await console.granted("hold")
+    await console.granted("cage")
+    await console.granted("run", speed=0)
+    snapshot = await console.until(lambda snapshot: snapshot.outcome is not None)
+    await console.until_run(snapshot.run_id, "finished")
+    reader = console.services.store.read(snapshot.run_id)
+    recorded = np.concatenate(list(reader.chunks()))
+    end = int(recorded["tick"][-1]) + 1
+    again = np.concatenate(list(rerun(reader.history(), end)))
+    assert first_difference(recorded, again[recorded["tick"]]) is None
+    now = np.concatenate(list(controlled(reader.history(), reader.chunks())))
+    assert first_difference(recorded, now) is None

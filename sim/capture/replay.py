@@ -1,0 +1,161 @@
+"""A mission flown again: what was done to it at which tick, and from that the same ticks, bit for bit.
+
+`flown_to` brings a mission to any tick of its past; `rerun` gives all its ticks anew; `controlled` drives
+recorded states through today's controller; `first_difference` names where two flights part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from sim.capture.events import Ticks
+from sim.capture.mission import Mission
+from sim.capture.snapshot import Published
+from sim.capture.tick import COLUMNS, column_values
+from sim.config import MissionConfig
+from sim.configurations import nested, revised
+from sim.control.phases import Command, Phase
+
+_CHUNK = 500  # ticks at a time, as in a headless run
+
+
+class Intervention(Published):
+    """What somebody did to a mission: a command that was granted, or parameters that changed."""
+
+    tick: int = Field(ge=0, description="The first tick flown under it")
+    command: Command | None = None
+    changes: dict[str, Any] = Field(default_factory=dict, description="Full path of each parameter to its new value")
+
+
+class FlightHistory(Published):
+    """All that a simulated mission depends on: the same history gives the same ticks."""
+
+    config: MissionConfig = Field(description="At tick 0")
+    interventions: tuple[Intervention, ...] = Field((), description="In the order in which they were done")
+
+
+class Difference(NamedTuple):
+    """The first number in which two flights differ."""
+
+    tick: int
+    time: float
+    """[s]"""
+    quantity: str
+    """Name of the column, such as `left.commanded_joint_rate.2`."""
+    recorded: float
+    now: float
+
+
+def flown_to(history: FlightHistory, tick: int) -> Mission:
+    """The mission with that tick next, as it was before anything was granted or changed at it.
+
+    Raises:
+        ConfigError: the target overlaps the robot at the start.
+        MissionRefused: the history holds what no mission grants.
+        PlantDiverged: the plant failed before that tick.
+
+    """
+    flight = _Flight(history)
+    for _ in flight.ticks_before(tick):
+        flight.mission.take_events()
+    return flight.mission
+
+
+def rerun(history: FlightHistory, end: int) -> Iterator[Ticks]:
+    """The ticks 0 to `end` (without it), flown anew; ends early with a plant that fails.
+
+    Raises:
+        ConfigError: the target overlaps the robot at the start.
+        MissionRefused: the history holds what no mission grants.
+
+    """
+    flight = _Flight(history)
+    for rows in flight.ticks_before(end):
+        flight.mission.take_events()
+        yield rows
+        if flight.mission.phase is Phase.FAULTED:
+            return
+
+
+def controlled(history: FlightHistory, recorded: Iterable[Ticks]) -> Iterator[Ticks]:
+    """What today's controller commands in the recorded states, arrays of `TICK`, in the same pieces.
+
+    Ticks may be missing where nothing moved: a resting controller forgets nothing.
+
+    Raises:
+        MissionRefused: today's phases do not allow a command that was granted then.
+
+    """
+    mission = Mission(history.config)
+    left = list(history.interventions)
+    for rows in recorded:
+        pieces, place = [rows[:0]], 0
+        while place < len(rows):
+            mission.recall(rows[place])
+            while left and left[0].tick <= rows["tick"][place]:
+                intervene(mission, left.pop(0))
+            until = int(np.searchsorted(rows["tick"], left[0].tick)) if left else len(rows)
+            pieces.append(mission.follow(rows[place:until]))
+            place = until
+        yield np.concatenate(pieces)
+
+
+def intervene(mission: Mission, intervention: Intervention) -> None:
+    """Do again what was done.
+
+    Raises:
+        ConfigError: a parameter that does not exist any more, or a value that is out of bounds now.
+        MissionRefused: the phase does not allow it.
+
+    """
+    if intervention.changes:
+        mission.configure(revised(mission.config, nested(intervention.changes)))
+    if intervention.command is not None:
+        mission.request(intervention.command)
+
+
+def first_difference(recorded: Ticks, now: Ticks) -> Difference | None:
+    """Where two arrays of the same ticks first differ, by a single bit; None if they do not."""
+    found: tuple[int, int] | None = None
+    for number, column in enumerate(COLUMNS):
+        if column.quantity not in (recorded.dtype.names or ()):
+            continue  # a log of an earlier version
+        places = np.flatnonzero(_bits(column_values(recorded, column)) != _bits(column_values(now, column)))
+        if len(places) and (found is None or places[0] < found[0]):
+            found = int(places[0]), number
+    if found is None:
+        return None
+    place, column = found[0], COLUMNS[found[1]]
+    return Difference(
+        tick=int(recorded["tick"][place]),
+        time=float(recorded["time"][place]),
+        quantity=column.name,
+        recorded=float(column_values(recorded, column)[place]),
+        now=float(column_values(now, column)[place]),
+    )
+
+
+def _bits(values: np.ndarray[Any, np.dtype[Any]]) -> np.ndarray[Any, np.dtype[Any]]:
+    """Numbers as integers of the same bits: NaN equals itself, and minus zero is not zero."""
+    return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
+
+
+class _Flight:
+    """A mission on its way through its history."""
+
+    def __init__(self, history: FlightHistory) -> None:
+        self.mission = Mission(history.config)
+        self._left = list(history.interventions)
+
+    def ticks_before(self, end: int) -> Iterator[Ticks]:
+        """Fly up to `end`; what is granted at it is left undone."""
+        mission = self.mission
+        while mission.next_tick < end:
+            while self._left and self._left[0].tick <= mission.next_tick:
+                intervene(mission, self._left.pop(0))
+            following = self._left[0].tick if self._left else end
+            yield mission.advance(min(end, following, mission.next_tick + _CHUNK) - mission.next_tick)
