@@ -136,7 +136,7 @@ def _write(row: Record, memory: Record, notes: Record, state: Record, links: Cha
     row.phase, row.activity, row.plan = memory.phase, memory.activity, memory.plan_count
     row.closed, row.rate_limited = memory.closed, memory.rate_limited
     row.base_overlap, row.solid_contact = notes.base_overlap, state.arm_contact > 0
-    row.base_contact = state.base_contact > 0
+    row.base_contact = state.base_contact
     row.base_pose[:], row.base_twist[:] = state.base_pose, state.base_twist
     row.target_pose[:], row.target_twist[:] = state.target_pose, state.target_twist
     row.joint_angle[:], row.joint_rate[:] = state.joint_angle, state.joint_rate

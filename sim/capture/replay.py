@@ -15,7 +15,7 @@ from pydantic import Field
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission
 from sim.capture.snapshot import Published
-from sim.capture.tick import COLUMNS, column_values
+from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command, Phase
@@ -92,7 +92,9 @@ def controlled(history: FlightHistory, recorded: Iterable[Ticks]) -> Iterator[Ti
     """
     mission = Mission(history.config)
     left = list(history.interventions)
-    for rows in recorded:
+    for chunk in recorded:
+        rows = np.empty(len(chunk), TICK)  # what a file gives is read-only, for which all would be compiled anew
+        rows[:] = chunk
         pieces, place = [rows[:0]], 0
         while place < len(rows):
             mission.recall(rows[place])

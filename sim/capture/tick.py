@@ -49,7 +49,8 @@ QUANTITIES = (
     Quantity("base_overlap", "mission", "u1"),
     Quantity("solid_contact", "mission", "u1"),
     Quantity("rate_limited", "mission", "u1"),
-    Quantity("base_contact", "mission", "u1"),
+    Quantity("base_contact", "mission", "u4"),
+    Quantity("tip_contact", "arm", "u1", (("tip_1", "1"), ("tip_2", "1"))),
     Quantity("base_pose", "base", "f8", POSE_AXES),
     Quantity("base_twist", "base", "f8", TWIST_AXES),
     Quantity("target_pose", "target", "f8", POSE_AXES),
@@ -65,7 +66,6 @@ QUANTITIES = (
     Quantity("desired_hand_twist", "arm", "f8", TWIST_AXES),
     Quantity("hand_wrench", "arm", "f8", WRENCH_AXES),
     Quantity("tip_force", "arm", "f8", _TIP_FORCES, shape=(2, 2)),
-    Quantity("tip_contact", "arm", "u1", (("tip_1", "1"), ("tip_2", "1"))),
     Quantity("manipulability", "arm", "f8", unit="m2"),
     Quantity("momentum", "system", "f8", (("x", "N s"), ("y", "N s"), ("angular", "N m s"))),
 )
@@ -81,6 +81,7 @@ def _dtype() -> np.dtype[Any]:
 
 
 TICK = _dtype()
+"""Without a gap between its fields, so that equal ticks are equal bytes."""
 
 
 class Column(NamedTuple):

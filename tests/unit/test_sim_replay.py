@@ -90,7 +90,9 @@ def test_ticks_at_rest_may_be_missing(flown):
 
 
 def test_another_controller_is_found_at_its_first_command(flown):
-    other = HISTORY.model_copy(update={"config": revised(HISTORY.config, nested({"control.touch.contact_position": 0.7}))})
+    other = HISTORY.model_copy(
+        update={"config": revised(HISTORY.config, nested({"control.touch.contact_position": 0.7}))}
+    )
     difference = first_difference(flown, np.concatenate(list(controlled(other, [flown]))))
     assert difference.tick >= 137
     assert difference.time == pytest.approx(difference.tick * 1e-3)

@@ -58,3 +58,8 @@ def test_every_column_reads_a_place_of_its_own():
         tick[name] = flat.reshape(tick[name].shape)
     seen = sorted(float(column_values(tick, column)[0]) for column in COLUMNS)
     assert seen == sorted(float(k % 250) for k in range(1, number + 1))
+
+
+def test_no_gaps():
+    """Equal ticks are equal bytes: nothing undefined lies between the fields."""
+    assert TICK.itemsize == sum(TICK[name].itemsize for name in TICK.names)
