@@ -46,7 +46,7 @@ RUN_EXAMPLES = """\b
 Examples:
   becalm run
   becalm run --direct --json
-  becalm run --configuration published_figures --log capture.parquet
+  becalm run --configuration published_figures --log capture.mcap
   becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
 """
 
@@ -160,7 +160,7 @@ def serve(
 )
 @_configured
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the run's random numbers.")
-@click.option("--log", type=click.Path(path_type=Path), help="Write every tick to this .csv or .parquet file.")
+@click.option("--log", type=click.Path(path_type=Path), help="Write every tick to this .mcap, .parquet or .csv file.")
 @click.option("--json", "as_json", is_flag=True, help="Print the outcome as one JSON document.")
 def run(
     *,

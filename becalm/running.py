@@ -42,7 +42,7 @@ def log_file(path: Path) -> LogFile:
             if not path.parent.is_dir():
                 raise ConfigError(f"--log {path}: the folder {path.parent} does not exist")
             return LogFile(path, log_format)
-    raise ConfigError(f"--log {path}: the format {suffix!r} is unknown; there are .csv and .parquet")
+    raise ConfigError(f"--log {path}: the format {suffix!r} is unknown; there are .csv, .parquet and .mcap")
 
 
 def run(store: RunStore, configuration: str, config: MissionConfig, *, direct: bool, log: LogFile | None) -> RunRecord:

@@ -86,6 +86,7 @@ def _lifespan(
         recorder.start()
         services.loop.start()
         app.state.scene_port = projector.start()
+        services.store.recover()
         services.scripted.resume()
         try:
             yield

@@ -2,23 +2,30 @@
 
     run.json      `RunRecord`: configuration, versions, status, outcome; replaced whole, never half-written
     events.jsonl  one `LoggedEvent` a line: events, commands with their answers, configuration changes
-    ticks.bin     raw little-endian records, one a tick; their layout stands in run.json
+    log.mcap      every tick, the events, and what other tools show of them; grows by whole chunks
 
-A reader takes whole records only, so that a write cut short by a crash costs that one record.
+A reader takes whole chunks and whole lines only, so that a write cut short by a crash costs that one.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Iterator, Mapping
+from io import FileIO
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
 import numpy as np
+from mcap.records import ChunkIndex
 from pydantic import Field
 
 from server.claim import Claim
+from server.log.scan import Scanned, chunk_data, payloads, scan
+from server.log.stream import Contents
+from server.log.topics import CDR_TICK
+from server.log.writer import LogWriter, nanoseconds
 from server.versions import versions
 from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
@@ -29,51 +36,22 @@ from sim.control.phases import Command
 
 RunKind = Literal["live", "scripted", "study", "fork"]
 RunStatus = Literal["queued", "running", "finished", "failed", "cancelled"]
+Integrity = Literal["complete", "recovered"]
 TickArray = np.ndarray[Any, np.dtype[Any]]
 
 RECORD_NAME = "run.json"
 EVENTS_NAME = "events.jsonl"
-TICKS_NAME = "ticks.bin"
+LOG_NAME = "log.mcap"
 CANCEL_NAME = ".cancel"
 
-STORED_TICK = TICK.newbyteorder("<")
-CHUNK_ROWS = 8192
-"""Ticks read at once: about 5 MB, whatever the length of the run."""
+SYNC_PERIOD = 0.5
+"""Wall time between two orders to the disk itself [s]: what a power cut may cost."""
 
+SLACK = 1e-6
+"""Mission times closer than this are the same [s]: no tick is as short."""
 
-class FieldLayout(Published):
-    """One field of a stored tick."""
-
-    name: str
-    kind: str = Field(description="numpy's name of the element type, with its byte order")
-    shape: list[int]
-    offset: int = Field(description="Bytes from the record's start")
-
-
-class TickLayout(Published):
-    """How a record of ticks.bin is laid out, so that later versions can read it."""
-
-    size: int = Field(description="Bytes of one record")
-    fields: list[FieldLayout]
-
-    def dtype(self) -> np.dtype[Any]:
-        """The numpy type of one record."""
-        return np.dtype(
-            {
-                "names": [field.name for field in self.fields],
-                "formats": [(field.kind, tuple(field.shape)) for field in self.fields],
-                "offsets": [field.offset for field in self.fields],
-                "itemsize": self.size,
-            }
-        )
-
-
-def _stored_layout() -> TickLayout:
-    fields = []
-    for name in STORED_TICK.names or ():
-        kind, offset = STORED_TICK.fields[name][:2]  # type: ignore[index]
-        fields.append(FieldLayout(name=name, kind=kind.base.str, shape=list(kind.shape), offset=offset))
-    return TickLayout(size=STORED_TICK.itemsize, fields=fields)
+TICK_CHANNEL = 1
+"""Channel of the ticks in every log."""
 
 
 class RunRecord(Published):
@@ -93,7 +71,12 @@ class RunRecord(Published):
     parent: str | None = Field(None, description="The run that this one was forked from, or the study that it is of")
     forked_at: int | None = Field(None, description="The tick of the parent from which on this run is its own")
     versions: dict[str, str] = Field(default_factory=versions)
-    layout: TickLayout = Field(default_factory=_stored_layout)
+    format: Literal[2] = Field(2, description="Of the folder")
+    ticks: int = Field(0, description="Recorded, when the record was last written")
+    integrity: Integrity | None = Field(
+        None, description="complete, or recovered up to the last whole chunk after a crash; null until it is closed"
+    )
+    lost_at_most: float | None = Field(None, description="Of a recovered run: wall time that may be missing [s]")
 
     @property
     def ended(self) -> bool:
@@ -126,6 +109,29 @@ def read_record(folder: Path) -> RunRecord:
     return RunRecord.model_validate_json((folder / RECORD_NAME).read_bytes())
 
 
+def _ticks_of(file: BinaryIO, index: ChunkIndex) -> TickArray:
+    ticks: TickArray = payloads(chunk_data(file, index), TICK_CHANNEL, CDR_TICK)["tick"]
+    return ticks.astype(TICK)
+
+
+def mend_log(path: Path) -> Scanned:
+    """Cut what is not whole off the end of a log, and close it with its summary, so that every tool opens it.
+
+    Raises:
+        OSError: the disk does not take the summary; the log is left without.
+
+    """
+    with path.open("r+b") as file:
+        found = scan(file)
+        if not found.closed and found.intact:
+            file.truncate(found.intact)
+            file.seek(found.intact)
+            file.write(found.contents.ending(found.intact))
+            file.flush()
+            os.fsync(file.fileno())
+    return found
+
+
 def write_record(folder: Path, record: RunRecord) -> None:
     """Replace the record as a whole: after a crash there is the old one or the new one."""
     draft = folder / (RECORD_NAME + ".draft")
@@ -134,6 +140,37 @@ def write_record(folder: Path, record: RunRecord) -> None:
         file.flush()
         os.fsync(file.fileno())
     draft.replace(folder / RECORD_NAME)
+    _sync_folder(folder)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Have the disk know the names in a folder, too."""
+    if os.name != "nt":
+        descriptor = os.open(folder, os.O_RDONLY)
+        os.fsync(descriptor)
+        os.close(descriptor)
+
+
+class _WholeWrites:
+    """A file that holds whole pieces only: what the disk takes half of is taken back."""
+
+    def __init__(self, path: Path) -> None:
+        self.file: FileIO = path.open("xb", buffering=0)
+
+    def write(self, content: bytes) -> None:
+        """Append all of it, or nothing.
+
+        Raises:
+            OSError: the disk is full, or fails.
+
+        """
+        start, view = self.file.tell(), memoryview(content)
+        try:
+            while view:
+                view = view[self.file.write(view) :]
+        except OSError:
+            self.file.truncate(start)
+            raise
 
 
 class RunWriter:
@@ -148,46 +185,84 @@ class RunWriter:
         """
         self._folder = folder
         self._claim = Claim(folder)
-        self._ticks: BinaryIO = (folder / TICKS_NAME).open("ab")
         self._events: BinaryIO = (folder / EVENTS_NAME).open("ab")
-        self._duration = record.duration
+        self._sink: _WholeWrites | None = None
+        self._log: LogWriter | None = None
+        self._duration, self._ticks = record.duration, 0
+        self._synced = time.monotonic()
         self.record = record
         write_record(folder, record)
 
     def append(self, ticks: TickArray) -> None:
         """Append rows of `TICK`."""
         if len(ticks):
-            self._ticks.write(ticks.astype(STORED_TICK, copy=False).tobytes())
+            self._open_log().append(ticks)
             self._duration = float(ticks["time"][-1])
+            self._ticks += len(ticks)
 
     def log(self, event: LoggedEvent) -> None:
         """Append one event."""
+        self._open_log().log(event)
         self._events.write(event.model_dump_json(exclude_none=True).encode() + b"\n")
+
+    def _open_log(self) -> LogWriter:
+        if self._log is None:
+            self._sink = _WholeWrites(self._folder / LOG_NAME)
+            self._log = LogWriter(self._sink, self.record.started, self.record.config)
+            self._log.describe(self.record, self.record.config)
+        return self._log
 
     def flush(self) -> None:
         """Hand everything to the system: from here on a killed process loses nothing of it."""
-        self._ticks.flush()
+        if self._log is not None:
+            self._log.flush()
         self._events.flush()
+        if time.monotonic() - self._synced > SYNC_PERIOD:
+            self._sync()
+
+    def _sync(self) -> None:
+        """Have the disk itself hold everything: from here on a power cut loses nothing of it."""
+        self._synced = time.monotonic()
+        for file in (self._events, self._sink.file if self._sink else None):
+            if file is not None:
+                os.fsync(file.fileno())
 
     def revise(self, **changes: Any) -> None:
         """Change the record, on disk as well, after everything that it speaks of."""
         self.flush()
-        self.record = self.record.model_copy(update={"duration": self._duration, **changes})
+        before = self.record
+        self.record = before.model_copy(update={"duration": self._duration, "ticks": self._ticks, **changes})
+        self._restate(before)
         write_record(self._folder, self.record)
+
+    def _restate(self, before: RunRecord) -> None:
+        """Have the log know, too, what has changed of the record."""
+        if self._log is not None and self.record.config != before.config:
+            self._log.describe(self.record, self.record.config)
+        if self._log is not None and self.record.outcome is not None and self.record.outcome != before.outcome:
+            self._log.conclude(self.record.outcome)
 
     def close(self, **changes: Any) -> None:
         """Put everything on disk, then the last word about the run, and give its folder free."""
-        self.revise(**changes)
-        for file in (self._ticks, self._events):
-            os.fsync(file.fileno())
-            file.close()
+        before = self.record
+        self.record = before.model_copy(update=changes)
+        self._restate(before)
+        self.flush()
+        if self._log is not None:
+            self._log.end()
+        self._sync()
+        self.revise(integrity="complete", **changes)
+        self._events.close()
+        if self._sink is not None:
+            self._sink.file.close()
         self._claim.release()
 
     def abandon(self) -> None:
         """Close without a last word, after the disk has failed: the run will be found as it was left."""
-        for file in (self._ticks, self._events):
+        for file in (self._events, self._sink.file if self._sink else None):
             try:
-                file.close()
+                if file is not None:
+                    file.close()
             except OSError:
                 continue  # what could not be written is lost; the caller has shown why
         self._claim.release()
@@ -203,39 +278,64 @@ class RunReader:
 
     def __init__(self, folder: Path, record: RunRecord) -> None:
         self._folder = folder
-        self._dtype = record.layout.dtype()
         self.record = record
+
+    @property
+    def log_path(self) -> Path:
+        """The log, which a run that waits does not have yet."""
+        return self._folder / LOG_NAME
+
+    @property
+    def has_log(self) -> bool:
+        """Whether anything has been recorded."""
+        return self.log_path.exists()
+
+    def scanned(self) -> Scanned:
+        """What the log holds now."""
+        if not self.has_log:
+            return Scanned(Contents(), 0, False)
+        with self.log_path.open("rb") as file:
+            return scan(file)
 
     @property
     def tick_count(self) -> int:
         """Whole ticks on disk."""
-        path = self._folder / TICKS_NAME
-        return path.stat().st_size // self._dtype.itemsize if path.exists() else 0
+        if self.record.integrity is not None:
+            return self.record.ticks
+        return self.scanned().contents.statistics.channel_message_counts.get(TICK_CHANNEL, 0)
 
     @property
     def size(self) -> int:
         """Bytes on disk."""
         return sum(path.stat().st_size for path in self._folder.iterdir() if path.is_file())
 
-    def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[TickArray]:
-        """The ticks that are on disk now, oldest first, at most `rows` at once."""
-        left = self.tick_count
-        if not left:
+    def chunks(self, since: float | None = None, until: float | None = None) -> Iterator[TickArray]:
+        """The ticks that are on disk now, oldest first, a chunk at once, from one mission time to another [s]."""
+        if not self.has_log:
             return
-        with (self._folder / TICKS_NAME).open("rb") as file:
-            while left > 0:
-                content = file.read(min(rows, left) * self._dtype.itemsize)
-                yield np.frombuffer(content, dtype=self._dtype)
-                left -= rows
+        began = nanoseconds(self.record.started)
+        with self.log_path.open("rb") as file:
+            for index in scan(file).contents.chunks:
+                first, last = (1e-9 * (at - began) for at in (index.message_start_time, index.message_end_time))
+                if (since is not None and last < since - SLACK) or (until is not None and first > until + SLACK):
+                    continue
+                ticks = _ticks_of(file, index)
+                if since is not None:
+                    ticks = ticks[ticks["time"] >= since - SLACK]
+                if until is not None:
+                    ticks = ticks[ticks["time"] <= until + SLACK]
+                if len(ticks):
+                    yield ticks
 
     def last_tick(self) -> TickArray | None:
         """The last whole tick on disk, shape (1,), or None."""
-        count = self.tick_count
-        if not count:
+        if not self.has_log:
             return None
-        with (self._folder / TICKS_NAME).open("rb") as file:
-            file.seek((count - 1) * self._dtype.itemsize)
-            return np.frombuffer(file.read(self._dtype.itemsize), dtype=self._dtype)
+        with self.log_path.open("rb") as file:
+            for index in reversed(scan(file).contents.chunks):
+                if TICK_CHANNEL in index.message_index_offsets and len(ticks := _ticks_of(file, index)):
+                    return ticks[-1:]
+        return None
 
     def events(self) -> Iterator[Mapping[str, Any]]:
         """The events, oldest first; a line that a crash cut short is left out."""

@@ -16,19 +16,24 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from server.claim import is_claimed
+from server.claim import Claim, is_claimed
 from server.run_folder import (
     CANCEL_NAME,
     RECORD_NAME,
+    TICK_CHANNEL,
     RunKind,
     RunReader,
     RunRecord,
     RunWriter,
+    mend_log,
     read_record,
     write_record,
 )
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
+
+LOST_AT_MOST = 1.0
+"""Wall time that a crash or a power cut may cost [s]: half of it, and as much for a slow disk."""
 
 log = logging.getLogger(__name__)
 
@@ -99,8 +104,8 @@ class RunStore:
             record = read_record(folder)
         except FileNotFoundError:
             raise _not_found(run_id) from None
-        if record.status == "running" and not is_claimed(folder):
-            record = _recovered(folder, read_record(folder))
+        if record.integrity is None and record.status != "queued" and not is_claimed(folder):
+            record = _recovered(folder)
         return record
 
     def newest(self, *, before: str | None = None) -> Iterator[RunReader]:
@@ -113,7 +118,28 @@ class RunStore:
                 except RunNotFound:
                     continue  # deleted since, or its folder was only just made
                 except ValidationError:
-                    log.warning("run %s is of another version of Becalm and is left out", name)
+                    continue  # `unreadable` tells of it
+
+    def unreadable(self) -> Iterator[tuple[str, str]]:
+        """(identifier, reason) of each folder that holds a run of another version, or a damaged record."""
+        for folder in sorted(self.root.glob("*")) if self.root.exists() else ():
+            if _ID.fullmatch(folder.name):
+                try:
+                    read_record(folder)
+                except FileNotFoundError:
+                    continue
+                except ValidationError as error:
+                    first = error.errors(include_url=False)[0]
+                    where = ".".join(map(str, first["loc"])) or RECORD_NAME
+                    yield (
+                        folder.name,
+                        f"its record is damaged or of another version: {where}: {first['msg']}",
+                    )
+
+    def recover(self) -> None:
+        """Put right what a crash has left, before anything asks for it."""
+        for _ in self.newest():
+            continue
 
     def cancel(self, run_id: str) -> None:
         """Ask the process that writes this run to end it."""
@@ -150,14 +176,39 @@ def _not_found(run_id: str) -> RunNotFound:
     return RunNotFound(f"run {run_id!r} does not exist", tip="GET /api/v1/runs lists the runs")
 
 
-def _recovered(folder: Path, record: RunRecord) -> RunRecord:
-    """The run of a process that is gone, with what it truly has; its record is put right on disk."""
-    if record.ended:
-        return record  # it was closed between two looks
-    last = RunReader(folder, record).last_tick()
-    duration = 0.0 if last is None else float(last["time"][0])
-    note = "recovered: the process that recorded it ended without closing it; every whole tick on disk is here"
-    status = "failed" if record.outcome is None else "finished"
-    recovered = record.model_copy(update={"status": status, "duration": duration, "note": note})
-    write_record(folder, recovered)
+def _recovered(folder: Path) -> RunRecord:
+    """The run of a process that is gone, with what it truly has; its log and record are put right on disk."""
+    try:
+        claim = Claim(folder)
+    except BlockingIOError:
+        return read_record(folder)  # somebody is at it
+    try:
+        record = read_record(folder)
+        if record.integrity is None and record.status != "queued":
+            record = _mended(folder, record)
+    finally:
+        claim.release()
+    return record
+
+
+def _mended(folder: Path, record: RunRecord) -> RunRecord:
+    reader = RunReader(folder, record)
+    found = reader.scanned()
+    last = reader.last_tick()
+    note = "recovered: the process that recorded it ended without closing it; every whole chunk of ticks is here"
+    changes = {
+        "status": record.status if record.ended else "failed" if record.outcome is None else "finished",
+        "duration": 0.0 if last is None else float(last["time"][0]),
+        "ticks": found.contents.statistics.channel_message_counts.get(TICK_CHANNEL, 0),
+        "integrity": "complete" if found.closed else "recovered",
+        "lost_at_most": None if found.closed else LOST_AT_MOST,
+        "note": record.note if found.closed else note,
+    }
+    recovered = record.model_copy(update=changes)
+    try:
+        if reader.has_log:
+            mend_log(reader.log_path)
+        write_record(folder, recovered)
+    except OSError as error:  # a full disk, for one: it is told as it is, and mended at a later look
+        log.warning("run %s is recovered in memory only: %s", record.id, error)
     return recovered

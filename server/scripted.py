@@ -66,6 +66,9 @@ def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None]
         writer.close(status="cancelled")
     except CaptureError as error:
         writer.close(status="failed", note=f"{type(error).__name__}: {error}")
+    except OSError:
+        writer.abandon()  # the disk has failed; the run will be found with what is on it
+        raise
     except BaseException:
         writer.close(status="failed", note=traceback.format_exc(limit=-1))
         raise

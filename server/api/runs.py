@@ -11,12 +11,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
-from server.export import MEDIA_TYPES, LogFormat, exported
-from server.run_folder import LoggedEvent, RunKind, RunReader, RunStatus
+from server.export import MEDIA_TYPES, LogFormat, Span, exported
+from server.run_folder import Integrity, LoggedEvent, RunKind, RunReader, RunStatus
 from sim.capture.snapshot import Outcome
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
-from sim.errors import MissionRefused
+from sim.errors import ConfigError, MissionRefused
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 
@@ -58,6 +58,10 @@ class RunSummary(BaseModel):
     real_time_factor: float | None = Field(description="Simulated seconds a second; null of a live run")
     note: str | None
     versions: dict[str, str]
+    integrity: Integrity | None
+    lost_at_most: float | None = Field(description="Of a recovered run: wall time that may be missing [s]")
+    parent: str | None
+    forked_at: int | None
     size_bytes: int
 
 
@@ -67,10 +71,18 @@ class Run(RunSummary):
     config: MissionConfig
 
 
+class Unreadable(BaseModel):
+    """A folder in the library that holds no run this version can read."""
+
+    id: str
+    reason: str
+
+
 class RunPage(BaseModel):
     """Runs, newest first."""
 
     runs: list[RunSummary]
+    unreadable: list[Unreadable] = Field(description="Runs of other versions, and damaged ones; on the first page")
     next_cursor: str | None = Field(description="For the next page; null on the last one")
 
 
@@ -95,7 +107,9 @@ def runs(
 ) -> RunPage:
     """The library, newest first."""
     found = [_summary(reader) for reader in islice(services.store.newest(before=cursor), limit + 1)]
-    return RunPage(runs=found[:limit], next_cursor=found[limit - 1].id if len(found) > limit else None)
+    strange = [] if cursor else [Unreadable(id=name, reason=why) for name, why in services.store.unreadable()]
+    following = found[limit - 1].id if len(found) > limit else None
+    return RunPage(runs=found[:limit], unreadable=strange, next_cursor=following)
 
 
 @router.get("/{run_id}", responses=responses(404))
@@ -120,18 +134,21 @@ def delete_run(services: ServicesDep, run_id: RunId, response: Response) -> Resp
 @router.get(
     "/{run_id}/log",
     response_class=StreamingResponse,
-    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404)},
+    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404, 409)},
 )
 def log(
     services: ServicesDep,
     run_id: RunId,
-    log_format: Annotated[LogFormat, Query(alias="format", description="csv or parquet")] = "csv",
+    log_format: Annotated[LogFormat, Query(alias="format", description="csv, parquet or mcap")] = "csv",
+    since: Annotated[float | None, Query(alias="from", ge=0, description="First mission time [s]")] = None,
+    until: Annotated[float | None, Query(alias="to", ge=0, description="Last mission time [s]")] = None,
 ) -> StreamingResponse:
     """Every recorded tick, one row each, streamed; of a run in progress what is on disk by now."""
     reader = services.store.read(run_id)
+    _require_log(reader, since, until)
     disposition = f'attachment; filename="becalm-{run_id}.{log_format}"'
     return StreamingResponse(
-        exported(reader, log_format),
+        exported(reader, log_format, Span(since, until)),
         media_type=MEDIA_TYPES[log_format],
         headers={"Content-Disposition": disposition},
     )
@@ -141,6 +158,26 @@ def log(
 def events(services: ServicesDep, run_id: RunId) -> list[LoggedEvent]:
     """What happened in a run: events, commands with their answers, parameter changes."""
     return [LoggedEvent.model_validate(event) for event in services.store.read(run_id).events()]
+
+
+def _require_log(reader: RunReader, since: float | None, until: float | None) -> None:
+    """Refuse a log that there is not, or not in that span of mission time [s].
+
+    Raises:
+        MissionRefused: nothing has been recorded yet.
+        ConfigError: the span lies outside the run.
+
+    """
+    if not reader.has_log:
+        what = f"run {reader.record.id} has no log: it is {reader.record.status}"
+        raise MissionRefused(what, tip="ask again when it flies")
+    if since is not None and until is not None and until < since:
+        raise ConfigError(f"to = {until:g} s is before from = {since:g} s", tip="give the earlier time as from")
+    last = reader.last_tick() if since is not None else None
+    if since is not None and (last is None or since > float(last["time"][0])):
+        end = 0.0 if last is None else float(last["time"][0])
+        what = f"from = {since:g} s is after the run's last tick at {end:g} s"
+        raise ConfigError(what, tip="choose a time in the run")
 
 
 def _require_not_live(services: Services, run_id: str) -> None:
@@ -159,7 +196,8 @@ def _run(reader: RunReader) -> Run:
 
 def _fields(reader: RunReader) -> dict[str, Any]:
     record = reader.record
-    last = reader.last_tick()
+    open_now = record.integrity is None
+    last = reader.last_tick() if open_now else None
     return {
         "id": record.id,
         "kind": record.kind,
@@ -168,11 +206,15 @@ def _fields(reader: RunReader) -> dict[str, Any]:
         "direct": record.direct,
         "seed": record.config.simulation.seed,
         "started": record.started,
-        "duration": 0.0 if last is None else float(last["time"][0]),
+        "duration": record.duration if last is None else float(last["time"][0]),
         "ticks": reader.tick_count,
         "outcome": record.outcome,
         "real_time_factor": record.real_time_factor,
         "note": record.note,
+        "integrity": record.integrity,
+        "lost_at_most": record.lost_at_most,
+        "parent": record.parent,
+        "forked_at": record.forked_at,
         "versions": record.versions,
         "size_bytes": reader.size,
     }

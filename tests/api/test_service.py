@@ -96,11 +96,17 @@ async def test_run_of_a_dead_process_is_recovered(settings, console):
     store.create(record)  # running, and nobody holds its folder
     ticks = np.zeros(10, TICK)
     ticks["tick"], ticks["time"] = np.arange(10), np.arange(10) * 1e-3
-    content = ticks.tobytes()
-    (store.root / record.id / "ticks.bin").write_bytes(content[:-100])  # cut short in the middle of a tick
+    writer = RunWriter(store.root / record.id, record)
+    for part in (ticks[:9], ticks[9:]):
+        writer.append(part)
+        writer.flush()
+    writer.abandon()
+    log = store.root / record.id / "log.mcap"
+    log.write_bytes(log.read_bytes()[:-30])  # cut short in the middle of a chunk
     run = (await console.http.get(f"/runs/{record.id}")).json()
     assert run["status"] == "failed"
     assert "recovered" in run["note"]
+    assert run["integrity"] == "recovered"
     assert run["ticks"] == 9
 
 

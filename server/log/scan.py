@@ -1,0 +1,241 @@
+"""What a log truly holds: read from its summary if it was closed, else record by record up to the last whole chunk."""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from typing import Any, BinaryIO, NamedTuple
+
+import numpy as np
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    Footer,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+
+from server.log.stream import COMPRESSION, INDEX_ENTRY, MAGIC, Bytes, Contents, message_dtype
+
+_RECORD_HEAD = struct.Struct("<BQ")
+_CHUNK_HEAD = struct.Struct("<QQQII")
+_INDEX_HEAD = struct.Struct("<HI")
+_FOOTER_SIZE = _RECORD_HEAD.size + 20 + len(MAGIC)
+_LARGEST_RECORD = 2**31
+
+log = logging.getLogger(__name__)
+
+
+class Scanned(NamedTuple):
+    """A log as it was found."""
+
+    contents: Contents
+    intact: int
+    """Bytes from the start that are whole records."""
+    closed: bool
+    """Whether it ends with its summary."""
+
+
+def scan(file: BinaryIO) -> Scanned:
+    """What the file holds. A torn or damaged one is read as far as it is whole; nothing is raised."""
+    size = file.seek(0, os.SEEK_END)
+    try:
+        contents = _summary(file, size)
+    except Exception:  # bytes of any kind may stand where a summary should
+        contents = None
+    if contents is not None:
+        return Scanned(contents, size, True)
+    walker = _Walker(file, size)
+    try:
+        walker.walk()
+    except Exception:
+        log.warning("a log is damaged after %d bytes", walker.intact, exc_info=True)
+    return Scanned(walker.contents, walker.intact, False)
+
+
+def chunk_data(file: BinaryIO, index: ChunkIndex) -> bytes:
+    """The records within a chunk; empty, and a warning, if it is damaged."""
+    try:
+        file.seek(index.chunk_start_offset + _RECORD_HEAD.size)
+        content = file.read(index.chunk_length - _RECORD_HEAD.size)
+        return _unpacked(content)
+    except Exception as error:
+        log.warning("a chunk at %d is damaged and left out: %s", index.chunk_start_offset, error)
+        return b""
+
+
+def payloads(data: bytes, channel: int, payload: np.dtype[Any]) -> Bytes:
+    """The payloads of a channel's messages within a chunk, of which each is of that type."""
+    layout, place = message_dtype(payload), 0
+    found = []
+    while place + _RECORD_HEAD.size <= len(data):
+        opcode, length = _RECORD_HEAD.unpack_from(data, place)
+        end = place + _RECORD_HEAD.size + length
+        mine = opcode == Opcode.MESSAGE and end - place == layout.itemsize
+        if not mine or int.from_bytes(data[place + 9 : place + 11], "little") != channel:
+            place = end
+            continue
+        records = np.frombuffer(data, layout, (len(data) - place) // layout.itemsize, place)
+        alike = (records["opcode"] == opcode) & (records["length"] == length) & (records["channel"] == channel)
+        count = len(records) if alike.all() else int(np.argmin(alike))
+        found.append(records["data"][:count])
+        place += count * layout.itemsize
+    return np.concatenate(found) if found else np.empty(0, payload)
+
+
+def metadata_of(file: BinaryIO, contents: Contents, name: str) -> dict[str, str] | None:
+    """The last metadata record of that name."""
+    places = [each.offset for each in contents.metadata if each.name == name]
+    if not places:
+        return None
+    file.seek(places[-1] + _RECORD_HEAD.size)
+    values: dict[str, str] = Metadata.read(ReadDataStream(file)).metadata
+    return values
+
+
+def _unpacked(chunk: bytes) -> bytes:
+    _, _, size, crc, name = _CHUNK_HEAD.unpack_from(chunk)
+    start = _CHUNK_HEAD.size + name + 8
+    compression = chunk[_CHUNK_HEAD.size : start - 8].decode()
+    if compression != COMPRESSION:
+        raise ValueError(f"compression {compression!r} is unknown")
+    data = zstandard.decompress(chunk[start:], max_output_size=size)
+    if zlib.crc32(data) != crc:
+        raise ValueError("its checksum does not fit")
+    return data
+
+
+def _summary(file: BinaryIO, size: int) -> Contents | None:
+    """What the summary tells; None if the file does not end with one."""
+    if size < _FOOTER_SIZE + len(MAGIC):
+        return None
+    file.seek(size - _FOOTER_SIZE)
+    ending = file.read(_FOOTER_SIZE)
+    if not ending.endswith(MAGIC) or ending[0] != Opcode.FOOTER:
+        return None
+    footer = Footer.read(ReadDataStream(io.BytesIO(ending[_RECORD_HEAD.size :])))
+    file.seek(footer.summary_start)
+    summary = file.read(size - _FOOTER_SIZE - footer.summary_start)
+    head = ending[: _RECORD_HEAD.size + 16]
+    if zlib.crc32(head, zlib.crc32(summary)) != footer.summary_crc:
+        return None
+    contents = Contents()
+    for opcode, record in _records(summary):
+        _take(contents, opcode, record)
+    return contents
+
+
+def _records(content: bytes) -> Iterator[tuple[int, bytes]]:
+    place = 0
+    while place < len(content):
+        opcode, length = _RECORD_HEAD.unpack_from(content, place)
+        place += _RECORD_HEAD.size
+        yield opcode, content[place : place + length]
+        place += length
+
+
+def _take(contents: Contents, opcode: int, record: bytes) -> None:
+    """Add one record of a summary."""
+    stream = ReadDataStream(io.BytesIO(record))
+    if opcode == Opcode.SCHEMA:
+        schema = Schema.read(stream)
+        contents.schemas[schema.id] = schema
+    elif opcode == Opcode.CHANNEL:
+        channel = Channel.read(stream)
+        contents.channels[channel.id] = channel
+    elif opcode == Opcode.STATISTICS:
+        contents.statistics = Statistics.read(stream)
+    elif opcode == Opcode.CHUNK_INDEX:
+        contents.chunks.append(ChunkIndex.read(stream))
+    elif opcode == Opcode.ATTACHMENT_INDEX:
+        contents.attachments.append(AttachmentIndex.read(stream))
+    elif opcode == Opcode.METADATA_INDEX:
+        contents.metadata.append(MetadataIndex.read(stream))
+
+
+class _Walker:
+    """Goes through a file that was never closed; `contents` and `intact` are right at every moment."""
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self._file, self._size = file, size
+        self.contents = Contents()
+        self.intact = 0
+
+    def walk(self) -> None:
+        """Go as far as the records are whole."""
+        self._file.seek(0)
+        if self._file.read(len(MAGIC)) != MAGIC:
+            return
+        self.intact = len(MAGIC)
+        while (head := self._head(self.intact)) is not None:
+            opcode, length = head
+            end = self.intact + _RECORD_HEAD.size + length
+            if opcode == Opcode.CHUNK:
+                if not self._take_chunk(end):
+                    return
+                continue
+            if opcode in (Opcode.DATA_END, Opcode.FOOTER):
+                return
+            self._take_record(opcode, self._file.read(length), length)
+            self.intact = end
+
+    def _head(self, place: int) -> tuple[int, int] | None:
+        """Opcode and length of the record at that byte, if it is whole; the file stands at its content then."""
+        self._file.seek(place)
+        head = self._file.read(_RECORD_HEAD.size)
+        if len(head) < _RECORD_HEAD.size:
+            return None
+        opcode, length = _RECORD_HEAD.unpack(head)
+        whole = 0 < opcode <= Opcode.DATA_END and length < _LARGEST_RECORD
+        return (opcode, length) if whole and place + _RECORD_HEAD.size + length <= self._size else None
+
+    def _take_record(self, opcode: int, record: bytes, length: int) -> None:
+        stream = ReadDataStream(io.BytesIO(record))
+        if opcode == Opcode.ATTACHMENT:
+            found = Attachment.read(stream)
+            self.contents.attachments.append(
+                AttachmentIndex(
+                    offset=self.intact, length=_RECORD_HEAD.size + length, create_time=found.create_time,
+                    log_time=found.log_time, data_size=len(found.data), name=found.name, media_type=found.media_type,
+                )
+            )  # fmt: skip
+        elif opcode == Opcode.METADATA:
+            name = Metadata.read(stream).name
+            self.contents.metadata.append(MetadataIndex(offset=self.intact, length=9 + length, name=name))
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            _take(self.contents, opcode, record)
+
+    def _take_chunk(self, end: int) -> bool:
+        """Take a chunk with the indexes that follow it; False if it, or one of them, is not whole."""
+        start = self.intact
+        first, last, size, _, name = _CHUNK_HEAD.unpack(self._file.read(_CHUNK_HEAD.size))
+        compressed = end - start - _RECORD_HEAD.size - _CHUNK_HEAD.size - name - 8
+        place, offsets, counts = end, {}, {}
+        while (head := self._head(place)) is not None and head[0] == Opcode.MESSAGE_INDEX:
+            channel, length = _INDEX_HEAD.unpack(self._file.read(_INDEX_HEAD.size))
+            offsets[channel], counts[channel] = place, length // INDEX_ENTRY.itemsize
+            place += _RECORD_HEAD.size + head[1]
+        index = ChunkIndex(
+            chunk_length=end - start, chunk_start_offset=start, compression=COMPRESSION, compressed_size=compressed,
+            message_start_time=first, message_end_time=last, message_index_length=place - end,
+            message_index_offsets=offsets, uncompressed_size=size,
+        )  # fmt: skip
+        if place == self._size or self._head(place) is None:  # the last one: its indexes may have been cut off
+            self._file.seek(start + _RECORD_HEAD.size)
+            data = _unpacked(self._file.read(end - start - _RECORD_HEAD.size))
+            if sum(counts.values()) != sum(opcode == Opcode.MESSAGE for opcode, _ in _records(data)):
+                return False
+        self.contents.count_chunk(index, counts)
+        self.intact = place
+        return True

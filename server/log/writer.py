@@ -1,0 +1,102 @@
+"""The log of one run while it is written."""
+
+from __future__ import annotations
+
+import json
+from datetime import datetime
+
+import numpy as np
+from pydantic import BaseModel
+
+from server.log.ros import header, ros, ros_schema, serialized
+from server.log.scene import MARKERS, scene
+from server.log.stream import Bytes, McapStream, Sink, messages
+from server.log.topics import EVENT_TOPIC, LOG_TOPIC, SCENE_TOPIC, TICK_TOPIC, tick_payloads, tick_schema, topics_of
+from sim.capture.events import Event
+from sim.config import MissionConfig
+
+CHUNK_BYTES = 2**19
+"""A chunk is closed at this size, before compression, or at `flush`."""
+
+RUN_METADATA, OUTCOME_METADATA = "becalm.run", "becalm.outcome"
+_LEVELS = {"info": 20, "warning": 30, "error": 40}
+_LOG, _TEXT = "rcl_interfaces/msg/Log", "std_msgs/msg/String"
+_NANOSECONDS = 1_000_000_000
+
+
+def nanoseconds(started: str) -> int:
+    """A wall-clock time, ISO 8601, as nanoseconds since 1970."""
+    return round(datetime.fromisoformat(started).timestamp() * 1000) * 1_000_000
+
+
+class LogWriter:
+    """Ticks and events in, one MCAP file out; times are those of the mission, counted from the run's start."""
+
+    def __init__(self, sink: Sink, started: str, config: MissionConfig) -> None:
+        self._stream = McapStream(sink)
+        self._began = nanoseconds(started)
+        self._topics = topics_of(config)
+        self._tick_channel = self._stream.channel(TICK_TOPIC, "cdr", tick_schema(), {})
+        self._channels = [self._open(topic.name, topic.schema) for topic in self._topics]
+        self._scene, self._log, self._event = (
+            self._open(SCENE_TOPIC, MARKERS),
+            self._open(LOG_TOPIC, _LOG),
+            self._open(EVENT_TOPIC, _TEXT),
+        )
+        self._sequence = 0
+        self._stream.add_one(self._scene, self._began, scene(config))
+
+    def _open(self, topic: str, schema: str) -> int:
+        return self._stream.channel(topic, "cdr", ros_schema(schema), {})
+
+    def append(self, ticks: Bytes) -> None:
+        """Add rows of `TICK`; whole chunks are written."""
+        if not len(ticks):
+            return
+        times = self._began + np.round(ticks["time"] * 1e9).astype(np.uint64)
+        numbers = self._sequence + np.arange(len(ticks))
+        self._sequence += len(ticks)
+        self._stream.add(messages(self._tick_channel, numbers, times, tick_payloads(ticks)))
+        for topic, channel in zip(self._topics, self._channels, strict=True):
+            kept = ticks["tick"] % topic.stride == 0 if topic.stride > 1 else slice(None)
+            shown, at = ticks[kept], times[kept]
+            if len(shown):
+                payloads = topic.template.filled(at, topic.numbers(shown))
+                self._stream.add(messages(channel, numbers[kept], at, payloads))
+        if self._stream.pending >= CHUNK_BYTES:
+            self._stream.close_chunk()
+
+    def log(self, event: Event) -> None:
+        """Add an event: in words for every tool, and whole for our own."""
+        time = self._began + round(event.time * 1e9)
+        stamp = header("", time // _NANOSECONDS, time % _NANOSECONDS).stamp
+        line = ros(_LOG, stamp, _LEVELS[event.severity], event.kind, event.message, "", "", 0)
+        self._stream.add_one(self._log, time, serialized(line, _LOG))
+        text = ros(_TEXT, event.model_dump_json(exclude_none=True))
+        self._stream.add_one(self._event, time, serialized(text, _TEXT))
+
+    def flush(self) -> None:
+        """Write what waits."""
+        self._stream.close_chunk()
+
+    def describe(self, record: BaseModel, config: MissionConfig) -> None:
+        """State the run and its configuration as they are now; the last statement counts."""
+        self._stream.close_chunk()
+        stated = record.model_dump(mode="json", exclude={"config", "outcome"})
+        self._stream.add_metadata(RUN_METADATA, {name: _text(value) for name, value in stated.items()})
+        content = config.model_dump_json(indent=2).encode()
+        self._stream.attach("config.json", "application/json", self._began, content)
+
+    def conclude(self, outcome: BaseModel) -> None:
+        """State how the run ended; the last statement counts."""
+        self._stream.close_chunk()
+        stated = outcome.model_dump(mode="json")
+        self._stream.add_metadata(OUTCOME_METADATA, {name: _text(value) for name, value in stated.items()})
+
+    def end(self) -> None:
+        """Write what waits, and the summary."""
+        self._stream.end()
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
