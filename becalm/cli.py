@@ -50,6 +50,14 @@ Examples:
   becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
 """
 
+REPLAY_EXAMPLES = """\b
+Examples:
+  becalm replay 20261122T113000123-4f9a2c
+  becalm replay latest --json
+
+Ends with 1 if anything differs, by a single bit.
+"""
+
 STUDY_EXAMPLES = """\b
 Examples:
   becalm study published --out published.csv
@@ -187,6 +195,24 @@ def run(
         click.echo(json.dumps(summary.as_document(record, record.outcome)))
     else:
         click.echo(summary.as_text(record, record.outcome))
+
+
+@main.command(epilog=REPLAY_EXAMPLES, short_help="Fly a recorded run again and compare every tick.")
+@click.argument("run_id", metavar="RUN")
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as one JSON document.")
+def replay(*, run_id: str, as_json: bool) -> None:
+    """Drive the recorded states of RUN (an identifier, or `latest`) through today's controller, and fly it again.
+
+    Both are compared with the log tick by tick; the first difference is named.
+    """
+    from becalm import replaying  # noqa: PLC0415 - the simulation takes a second to load
+    from server.runs import RunStore  # noqa: PLC0415
+
+    store = RunStore(Settings.from_environment().data_dir / "runs")
+    report = replaying.replay(store.latest() if run_id == "latest" else store.read(run_id))
+    click.echo(json.dumps(report) if as_json else replaying.as_text(report))
+    if not replaying.same(report):
+        sys.exit(1)
 
 
 @main.command(epilog=STUDY_EXAMPLES, short_help="Fly many captures that differ in chosen parameters, on all cores.")

@@ -13,8 +13,7 @@ from server.inbox import Request
 from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
-from server.run_folder import LoggedEvent, RunStatus, TickArray
-from server.runs import wall_clock
+from server.run_folder import LoggedEvent, RunStatus, TickArray, wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Intervention

@@ -1,6 +1,7 @@
 """One run on disk: a folder that is written while the run happens and can be read at any moment of it.
 
     run.json      `RunRecord`: configuration, versions, status, outcome; replaced whole, never half-written
+    remarks.json  what people added: notes and the star
     events.jsonl  one `LoggedEvent` a line: events, commands with their answers, configuration changes
     log.mcap      every tick, the events, and what other tools show of them; grows by whole chunks
 
@@ -13,6 +14,7 @@ import json
 import os
 import time
 from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
@@ -41,6 +43,7 @@ TickArray = np.ndarray[Any, np.dtype[Any]]
 
 RECORD_NAME = "run.json"
 EVENTS_NAME = "events.jsonl"
+REMARKS_NAME = "remarks.json"
 LOG_NAME = "log.mcap"
 CANCEL_NAME = ".cancel"
 
@@ -70,6 +73,8 @@ class RunRecord(Published):
     note: str | None = None
     parent: str | None = Field(None, description="The run that this one was forked from, or the study that it is of")
     forked_at: int | None = Field(None, description="The tick of the parent from which on this run is its own")
+    idempotency_key: str | None = Field(None, description="Of the request that queued it")
+    request_digest: str | None = Field(None, description="Of that request's body")
     versions: dict[str, str] = Field(default_factory=versions)
     format: Literal[2] = Field(2, description="Of the folder")
     ticks: int = Field(0, description="Recorded, when the record was last written")
@@ -82,6 +87,27 @@ class RunRecord(Published):
     def ended(self) -> bool:
         """Whether nothing more will be written."""
         return self.status not in ("queued", "running")
+
+
+def wall_clock() -> str:
+    """Now, ISO 8601 in UTC, to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+class Note(Published):
+    """What somebody has to say about a run, or about one moment of it."""
+
+    text: str = Field(min_length=1, max_length=4000)
+    time: float | None = Field(None, ge=0, description="The moment's mission time [s]; null of the whole run")
+    who: str = Field("operator", max_length=100)
+    at: str = Field(default_factory=wall_clock, description="Wall clock, ISO 8601, UTC")
+
+
+class Remarks(Published):
+    """What people add to a run at any time; it stands in a file of its own, so that no writer is disturbed."""
+
+    starred: bool = False
+    notes: tuple[Note, ...] = Field((), max_length=500)
 
 
 class LoggedEvent(Event):
@@ -134,13 +160,30 @@ def mend_log(path: Path) -> Scanned:
 
 def write_record(folder: Path, record: RunRecord) -> None:
     """Replace the record as a whole: after a crash there is the old one or the new one."""
-    draft = folder / (RECORD_NAME + ".draft")
+    _replace(folder / RECORD_NAME, record)
+
+
+def read_remarks(folder: Path) -> Remarks:
+    """What people added to the run in that folder."""
+    try:
+        return Remarks.model_validate_json((folder / REMARKS_NAME).read_bytes())
+    except FileNotFoundError:
+        return Remarks()
+
+
+def write_remarks(folder: Path, remarks: Remarks) -> None:
+    """Replace what people added, as a whole."""
+    _replace(folder / REMARKS_NAME, remarks)
+
+
+def _replace(path: Path, content: Published) -> None:
+    draft = path.with_name(path.name + ".draft")
     with draft.open("wb") as file:
-        file.write(record.model_dump_json(indent=2).encode())
+        file.write(content.model_dump_json(indent=2).encode())
         file.flush()
         os.fsync(file.fileno())
-    draft.replace(folder / RECORD_NAME)
-    _sync_folder(folder)
+    draft.replace(path)
+    _sync_folder(path.parent)
 
 
 def _sync_folder(folder: Path) -> None:
@@ -303,6 +346,11 @@ class RunReader:
         if self.record.integrity is not None:
             return self.record.ticks
         return self.scanned().contents.statistics.channel_message_counts.get(TICK_CHANNEL, 0)
+
+    @property
+    def remarks(self) -> Remarks:
+        """What people added."""
+        return read_remarks(self._folder)
 
     @property
     def size(self) -> int:

@@ -21,13 +21,16 @@ from server.run_folder import (
     CANCEL_NAME,
     RECORD_NAME,
     TICK_CHANNEL,
+    Remarks,
     RunKind,
     RunReader,
     RunRecord,
     RunWriter,
     mend_log,
     read_record,
+    wall_clock,
     write_record,
+    write_remarks,
 )
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
@@ -38,11 +41,6 @@ LOST_AT_MOST = 1.0
 log = logging.getLogger(__name__)
 
 _ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
-
-
-def wall_clock() -> str:
-    """Now, ISO 8601 in UTC, to the millisecond."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def new_run_id() -> str:
@@ -140,6 +138,27 @@ class RunStore:
         """Put right what a crash has left, before anything asks for it."""
         for _ in self.newest():
             continue
+
+    def latest(self) -> RunReader:
+        """The newest run with ticks.
+
+        Raises:
+            RunNotFound: there is none.
+
+        """
+        for reader in self.newest():
+            if reader.tick_count:
+                return reader
+        raise RunNotFound("the library holds no run with ticks yet", tip="becalm run flies one")
+
+    def remark(self, run_id: str, remarks: Remarks) -> None:
+        """Put these remarks in place of the run's.
+
+        Raises:
+            RunNotFound: there is none with that identifier.
+
+        """
+        write_remarks(self._folder(run_id), remarks)
 
     def cancel(self, run_id: str) -> None:
         """Ask the process that writes this run to end it."""

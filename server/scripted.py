@@ -12,18 +12,17 @@ import signal
 import threading
 import traceback
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 
 from server.problems import ServiceBusy
-from server.run_folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray
-from server.runs import RunStore, new_record, wall_clock
+from server.run_folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray, wall_clock
+from server.runs import RunStore
 from sim.capture.events import Event
 from sim.capture.run import run_capture
-from sim.config import MissionConfig
 from sim.control.phases import Command
-from sim.errors import CaptureError
+from sim.errors import CaptureError, MissionRefused
 
 CAPACITY = 64
 """Runs that may wait."""
@@ -128,19 +127,34 @@ class ScriptedRuns:
         for run_id in sorted(record.id for record in records if record.status == "queued"):
             self._submit(run_id)
 
-    def queue(self, configuration: str, config: MissionConfig, *, direct: bool) -> RunRecord:
-        """Put a run at the end of the queue.
+    def queue(self, records: Sequence[RunRecord]) -> None:
+        """Put runs at the end of the queue, all or none.
 
         Raises:
-            ServiceBusy: too many wait already.
+            ServiceBusy: too many would wait.
 
         """
-        if len(self._waiting) >= CAPACITY:
-            raise ServiceBusy(f"{CAPACITY} runs wait already", tip="wait until some have finished, or cancel some")
-        record = new_record("scripted", configuration, config, direct=direct)
-        self._store.create(record)
-        self._submit(record.id)
-        return record
+        if len(self._waiting) + len(records) > CAPACITY:
+            message = f"{len(self._waiting)} runs wait already, and no more than {CAPACITY} may"
+            raise ServiceBusy(message, tip="wait until some have finished, or cancel some")
+        for record in records:
+            self._store.create(record)
+        for record in records:
+            self._submit(record.id)
+
+    def queued_before(self, key: str, digest: str) -> list[str]:
+        """The runs that an earlier request with that key queued, in its order.
+
+        Raises:
+            MissionRefused: that request was another one.
+
+        """
+        earlier = [reader.record for reader in self._store.newest() if reader.record.idempotency_key == key]
+        if any(record.request_digest != digest for record in earlier):
+            raise MissionRefused(
+                f"Idempotency-Key {key!r} came with another request before", tip="use a new key for a new request"
+            )
+        return sorted(record.id for record in earlier)
 
     def cancel(self, run_id: str) -> None:
         """End a run that waits or flies; one that flies ends within a moment."""

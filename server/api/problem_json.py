@@ -11,7 +11,7 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
@@ -33,6 +33,7 @@ _TITLES = {
     404: "Not found",
     405: "Method not allowed",
     409: "Refused",
+    412: "Changed meanwhile",
     422: "Invalid value",
     503: "Not now",
     504: "No answer",
@@ -43,6 +44,9 @@ _TIPS = {
     405: "/docs lists every address with its methods",
     422: "/docs shows what is expected",
 }
+
+_UNION_TAGS = ("one", "many")
+"""Names that pydantic gives to the kinds of a body; no field has them."""
 
 _NAMED_VALUE = re.compile(r"([\w.]+) = ('[^']*'|[^\s:,]+)")
 
@@ -147,7 +151,7 @@ async def _invalid(_: Request, error: Exception) -> JSONResponse:
 
 def _request_finding(error: Any) -> Finding:
     location: Sequence[Any] = error["loc"]
-    field = ".".join(map(str, location[1:]))
+    field = ".".join(str(part) for part in location[1:] if part not in _UNION_TAGS)
     message = error["msg"].removeprefix("Value error, ")
     return (
         _named_finding(message)
@@ -165,9 +169,11 @@ def _jsonable(value: Any) -> Any:
     return repr(value)
 
 
-async def _http_error(_: Request, error: Exception) -> JSONResponse:
+async def _http_error(_: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     status = error.status_code
+    if status == 304:
+        return Response(status_code=304, headers=error.headers)
     title = _TITLES.get(status, HTTPStatus(status).phrase)
     document = ProblemDocument(title=title, status=status, detail=str(error.detail), tip=_TIPS.get(status, ""))
     return _answer(document, dict(error.headers or {}))

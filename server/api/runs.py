@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from itertools import islice
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
 from server.export import MEDIA_TYPES, LogFormat, Span, exported
-from server.run_folder import Integrity, LoggedEvent, RunKind, RunReader, RunStatus
-from sim.capture.snapshot import Outcome
+from server.live_mission import display_name
+from server.run_folder import Integrity, LoggedEvent, Note, Remarks, RunKind, RunReader, RunRecord, RunStatus
+from server.runs import new_record
+from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
 from sim.errors import ConfigError, MissionRefused
+
+Tagged = TypeVar("Tagged", bound=BaseModel)
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 
@@ -42,6 +48,42 @@ class RunRequest(BaseModel):
     seed: int | None = Field(None, ge=0, le=2**63 - 1, description="In place of `simulation.seed`")
 
 
+OneRun = Annotated[RunRequest, Tag("one")]
+ManyRuns = Annotated[Annotated[list[RunRequest], Field(min_length=1, max_length=64)], Tag("many")]
+IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", description="The ETag that is known already")]
+
+
+def _one_or_many(body: Any) -> str:
+    return "many" if isinstance(body, list) else "one"
+
+
+class RunFilter(BaseModel):
+    """Which runs to list."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    limit: int = Field(50, ge=1, le=200, description="Runs on a page")
+    cursor: str | None = Field(None, description="`next_cursor` of the page before")
+    kind: RunKind | None = None
+    status: RunStatus | None = None
+    outcome: OutcomeClass | None = None
+    configuration: str | None = Field(None, description="Name of a configuration; edited ones of it are listed, too")
+    parent: str | None = None
+    starred: bool | None = None
+    text: str | None = Field(None, description="Part of the identifier or of a note, in any case")
+    started_from: str | None = Field(None, description="ISO 8601, UTC")
+    started_to: str | None = Field(None, description="ISO 8601, UTC")
+
+
+class RemarksChange(BaseModel):
+    """What to change of what people added; the rest stays."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    starred: bool | None = None
+    notes: tuple[Note, ...] | None = Field(None, max_length=500, description="In place of all notes")
+
+
 class RunSummary(BaseModel):
     """A run in the library."""
 
@@ -58,6 +100,9 @@ class RunSummary(BaseModel):
     real_time_factor: float | None = Field(description="Simulated seconds a second; null of a live run")
     note: str | None
     versions: dict[str, str]
+    time_limit: float = Field(description="Mission time at which it ends without a verdict [s]; of progress the end")
+    starred: bool
+    notes: tuple[Note, ...]
     integrity: Integrity | None
     lost_at_most: float | None = Field(description="Of a recovered run: wall time that may be missing [s]")
     parent: str | None
@@ -86,49 +131,123 @@ class RunPage(BaseModel):
     next_cursor: str | None = Field(description="For the next page; null on the last one")
 
 
-@router.post("", status_code=202, responses=responses(503))
-def start_run(services: ServicesDep, body: RunRequest, response: Response) -> Run:
-    """Queue a headless run."""
+@router.post("", status_code=202, responses=responses(409, 503))
+def start_runs(
+    services: ServicesDep,
+    body: Annotated[OneRun | ManyRuns, Discriminator(_one_or_many)],
+    response: Response,
+    key: Annotated[str | None, Header(alias="Idempotency-Key", min_length=1, max_length=200)] = None,
+) -> Run | list[Run]:
+    """Queue a headless run, or up to 64 in one list: all or none.
+
+    With an `Idempotency-Key` the same request sent again queues nothing and answers with the same runs.
+    """
+    requests = body if isinstance(body, list) else [body]
+    content = json.dumps([each.model_dump(mode="json") for each in requests], sort_keys=True)
+    digest = hashlib.sha256(content.encode()).hexdigest()
+    found = services.scripted.queued_before(key, digest) if key else []
+    if not found:
+        records = [_queued(each, key, digest) for each in requests]
+        services.scripted.queue(records)
+        found = [record.id for record in records]
+    queued = [_run(services.store.read(run_id)) for run_id in found]
+    if isinstance(body, list):
+        return queued
+    response.headers["Location"] = f"/api/v1/runs/{queued[0].id}"
+    return queued[0]
+
+
+def _queued(body: RunRequest, key: str | None, digest: str) -> RunRecord:
+    """The record of a run so requested.
+
+    Raises:
+        ConfigError: its configuration cannot be.
+
+    """
     config = revised(named_configuration(body.configuration), body.changes)
     if body.seed is not None:
         config = revised(config, {"simulation": {"seed": body.seed}})
-    edited = config != named_configuration(body.configuration)
-    name = f"{body.configuration} (edited)" if edited else body.configuration
-    record = services.scripted.queue(name, config, direct=body.direct)
-    response.headers["Location"] = f"/api/v1/runs/{record.id}"
-    return _run(services.store.read(record.id))
+    name = display_name(body.configuration, config)
+    marks = {"idempotency_key": key, "request_digest": digest if key else None}
+    return new_record("scripted", name, config, direct=body.direct, **marks)
 
 
 @router.get("")
 def runs(
     services: ServicesDep,
-    limit: Annotated[int, Query(ge=1, le=200, description="Runs on a page")] = 50,
-    cursor: Annotated[str | None, Query(description="`next_cursor` of the page before")] = None,
+    response: Response,
+    wanted: Annotated[RunFilter, Query()],
+    if_none_match: IfNoneMatch = None,
 ) -> RunPage:
     """The library, newest first."""
-    found = [_summary(reader) for reader in islice(services.store.newest(before=cursor), limit + 1)]
-    strange = [] if cursor else [Unreadable(id=name, reason=why) for name, why in services.store.unreadable()]
-    following = found[limit - 1].id if len(found) > limit else None
-    return RunPage(runs=found[:limit], unreadable=strange, next_cursor=following)
+    matching = (reader for reader in services.store.newest(before=wanted.cursor) if _fits(reader, wanted))
+    found = [_summary(reader) for reader in islice(matching, wanted.limit + 1)]
+    strange = [] if wanted.cursor else [Unreadable(id=name, reason=why) for name, why in services.store.unreadable()]
+    following = found[wanted.limit - 1].id if len(found) > wanted.limit else None
+    return _tagged(
+        RunPage(runs=found[: wanted.limit], unreadable=strange, next_cursor=following), response, if_none_match
+    )
+
+
+def _fits(reader: RunReader, wanted: RunFilter) -> bool:
+    record = reader.record
+    chosen = (
+        (record.kind, wanted.kind),
+        (record.status, wanted.status),
+        (record.configuration.removesuffix(" (edited)"), wanted.configuration),
+        (record.outcome.outcome if record.outcome else None, wanted.outcome),
+        (record.parent, wanted.parent),
+    )
+    if any(wish is not None and wish != value for value, wish in chosen):
+        return False
+    early = wanted.started_from is not None and record.started < wanted.started_from
+    late = wanted.started_to is not None and record.started > wanted.started_to
+    if early or late or (wanted.starred is not None and reader.remarks.starred != wanted.starred):
+        return False
+    words = [record.id, record.note or "", *(note.text for note in reader.remarks.notes)]
+    return wanted.text is None or wanted.text.lower() in "\n".join(words).lower()
 
 
 @router.get("/{run_id}", responses=responses(404))
-def run(services: ServicesDep, run_id: RunId) -> Run:
+def run(services: ServicesDep, run_id: RunId, response: Response, if_none_match: IfNoneMatch = None) -> Run:
     """One run."""
+    return _tagged(_run(services.store.read(run_id)), response, if_none_match)
+
+
+@router.patch("/{run_id}", responses=responses(404, 412))
+def remark(
+    services: ServicesDep,
+    run_id: RunId,
+    body: RemarksChange,
+    response: Response,
+    if_match: Annotated[str | None, Header(alias="If-Match")] = None,
+) -> Run:
+    """Star a run, or put these notes in place of its own; with `If-Match`, only if nobody has changed it since."""
+    reader = services.store.read(run_id)
+    if if_match is not None and if_match != _etag(_run(reader)):
+        raise HTTPException(412, f"run {run_id} has changed since; read it again")
+    present = reader.remarks
+    starred = present.starred if body.starred is None else body.starred
+    services.store.remark(run_id, Remarks(starred=starred, notes=present.notes if body.notes is None else body.notes))
+    return _tagged(_run(services.store.read(run_id)), response, None)
+
+
+@router.post("/{run_id}/cancel", status_code=202, responses=responses(404, 409))
+def cancel_run(services: ServicesDep, run_id: RunId) -> Run:
+    """End a scripted run that waits or flies; what it has recorded stays."""
+    _require_not_live(services, run_id)
+    if services.store.record(run_id).ended:
+        raise MissionRefused(f"run {run_id} has ended already", tip="DELETE removes it")
+    services.scripted.cancel(run_id)
     return _run(services.store.read(run_id))
 
 
-@router.delete("/{run_id}", status_code=204, responses={202: {"model": Run}, **responses(404, 409)})
-def delete_run(services: ServicesDep, run_id: RunId, response: Response) -> Response:
-    """Remove a run that has ended (204), or cancel a scripted one that has not (202)."""
+@router.delete("/{run_id}", status_code=204, responses=responses(404, 409))
+def delete_run(services: ServicesDep, run_id: RunId) -> Response:
+    """Remove a run that has ended."""
     _require_not_live(services, run_id)
-    record = services.store.record(run_id)
-    if record.ended:
-        services.store.delete(run_id)
-        return Response(status_code=204)
-    services.scripted.cancel(run_id)
-    body = _run(services.store.read(run_id))
-    return Response(body.model_dump_json(), status_code=202, media_type="application/json")
+    services.store.delete(run_id)
+    return Response(status_code=204)
 
 
 @router.get(
@@ -186,6 +305,18 @@ def _require_not_live(services: Services, run_id: str) -> None:
         raise MissionRefused(f"run {run_id} is the live mission's", tip="reset the mission first")
 
 
+def _etag(body: BaseModel) -> str:
+    return f'"{hashlib.sha256(body.model_dump_json().encode()).hexdigest()[:32]}"'
+
+
+def _tagged(body: Tagged, response: Response, known: str | None) -> Tagged:
+    """The answer with its ETag; 304 if that is known."""
+    response.headers["ETag"] = _etag(body)
+    if known is not None and response.headers["ETag"] in known:
+        raise HTTPException(304, headers={"ETag": response.headers["ETag"]})
+    return body
+
+
 def _summary(reader: RunReader) -> RunSummary:
     return RunSummary(**_fields(reader))
 
@@ -196,6 +327,7 @@ def _run(reader: RunReader) -> Run:
 
 def _fields(reader: RunReader) -> dict[str, Any]:
     record = reader.record
+    remarks = reader.remarks
     open_now = record.integrity is None
     last = reader.last_tick() if open_now else None
     return {
@@ -211,6 +343,9 @@ def _fields(reader: RunReader) -> dict[str, Any]:
         "outcome": record.outcome,
         "real_time_factor": record.real_time_factor,
         "note": record.note,
+        "time_limit": record.config.judging.time_limit,
+        "starred": remarks.starred,
+        "notes": remarks.notes,
         "integrity": record.integrity,
         "lost_at_most": record.lost_at_most,
         "parent": record.parent,

@@ -150,3 +150,28 @@ def test_serve_says_where_and_ends_on_a_signal(tmp_path):
         assert "http://127.0.0.1:" in process.stdout.readline()
         process.terminate()
         process.wait(30)
+
+
+def test_replay_finds_no_difference_and_names_the_first_there_is():
+    run_id = json.loads(_invoke("run", "--direct", "--json").stdout)["run_id"]
+    result = _invoke("replay", run_id, "--json")
+    report = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert report["controller"] == report["rerun"] == {
+        "same": True, "compared": report["ticks"], "first_difference": None,
+    }  # fmt: skip
+    folder = Settings.from_environment().data_dir / "runs" / run_id
+    record = json.loads((folder / "run.json").read_text())
+    record["config"]["control"]["caging"]["close_margin"] *= 1.1
+    (folder / "run.json").write_text(json.dumps(record))
+    result = _invoke("replay", "latest", "--json")
+    assert result.exit_code == 1
+    first = json.loads(result.stdout)["rerun"]["first_difference"]
+    assert first["recorded"] != first["now"]
+    assert "differs from tick" in _invoke("replay", run_id).stdout
+
+
+def test_replay_of_an_unknown_run_says_so():
+    result = _invoke("replay", "20200101T000000000-abcdef")
+    assert result.exit_code == 1
+    assert "does not exist" in result.stderr

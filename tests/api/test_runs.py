@@ -175,7 +175,8 @@ async def test_scripted_run_is_cancelled_then_removed(console):
     body = {"changes": changes, "direct": False}
     runs = [(await console.http.post("/runs", json=body)).json()["id"] for _ in range(2)]
     for run_id in reversed(runs):  # first the one that waits
-        assert (await console.http.delete(f"/runs/{run_id}")).status_code == 202
+        assert (await console.http.delete(f"/runs/{run_id}")).status_code == 409
+        assert (await console.http.post(f"/runs/{run_id}/cancel")).status_code == 202
     for run_id in runs:
         await console.until_run(run_id, "cancelled", "finished")
         assert (await console.http.delete(f"/runs/{run_id}")).status_code == 204
@@ -274,3 +275,73 @@ async def test_live_run_is_flown_again_from_its_own_log(console):
     assert first_difference(recorded, again[recorded["tick"]]) is None
     now = np.concatenate(list(controlled(reader.history(), reader.chunks())))
     assert first_difference(recorded, now) is None
+
+
+ENDLESS = {"judging": {"time_limit": 3600.0}, "target": {"initial_spin": 0.0, "initial_y": 0.6}}
+
+
+async def test_many_runs_at_once_are_queued_all_or_none(console):
+    bodies = [{"direct": True, "seed": seed} for seed in (1, 2)]
+    answer = await console.http.post("/runs", json=[*bodies, {"changes": {"target": {"mass": -1}}}])
+    assert answer.status_code == 422
+    assert (await console.http.get("/runs", params={"kind": "scripted"})).json()["runs"] == []
+    queued = (await console.http.post("/runs", json=bodies)).json()
+    assert [run["seed"] for run in queued] == [1, 2]
+    for run in queued:
+        assert (await console.until_run(run["id"], "finished"))["integrity"] == "complete"
+
+
+async def test_idempotency_key(console):
+    headers = {"Idempotency-Key": "a-script-7"}
+    first, again = [await console.http.post("/runs", json={"changes": ENDLESS}, headers=headers) for _ in range(2)]
+    assert first.json()["id"] == again.json()["id"]
+    other = await console.http.post("/runs", json={"direct": True}, headers=headers)
+    assert other.status_code == 409
+    assert "a-script-7" in other.json()["detail"]
+    assert (await console.http.post(f"/runs/{first.json()['id']}/cancel")).status_code == 202
+
+
+async def test_log_of_a_run_that_has_none_yet(console):
+    record = _record(1).model_copy(update={"status": "queued"})
+    console.services.store.create(record)
+    answer = await console.http.get(f"/runs/{record.id}/log", params={"format": "mcap"})
+    assert answer.status_code == 409
+    assert "no log" in answer.json()["detail"]
+    assert answer.json()["tip"]
+
+
+async def test_notes_and_star_against_a_change_meanwhile(console):
+    record = _record(1)
+    console.services.store.create(record)
+    address = f"/runs/{record.id}"
+    tag = (await console.http.get(address)).headers["etag"]
+    assert (await console.http.get(address, headers={"If-None-Match": tag})).status_code == 304
+    note = {"text": "the left hand slips", "time": 3.4, "who": "ana"}
+    changed = await console.http.patch(address, json={"starred": True, "notes": [note]}, headers={"If-Match": tag})
+    assert changed.status_code == 200
+    assert changed.json()["notes"][0]["text"] == "the left hand slips"
+    late = await console.http.patch(address, json={"starred": False}, headers={"If-Match": tag})
+    assert late.status_code == 412
+    assert (await console.http.get(address)).json()["starred"] is True
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found"),
+    [
+        ({"kind": "scripted"}, 2),
+        ({"starred": True}, 1),
+        ({"text": "SLIPS"}, 1),
+        ({"configuration": "published_figures"}, 0),
+        ({"started_to": "2020-01-01T00:00:01.5"}, 1),
+        ({"outcome": "ejection"}, 0),
+        ({"parent": "nobody"}, 0),
+        ({"status": "failed"}, 0),
+    ],
+)
+async def test_list_is_filtered(console, wanted, found):
+    for second in (1, 2):
+        console.services.store.create(_record(second))
+    body = {"starred": True, "notes": [{"text": "the left hand slips"}]}
+    assert (await console.http.patch(f"/runs/{_record(1).id}", json=body)).status_code == 200
+    answer = await console.http.get("/runs", params={**wanted, "cursor": "2021"})
+    assert len(answer.json()["runs"]) == found

@@ -1,0 +1,99 @@
+"""`becalm replay`: a run against today's controller and, if it was simulated, flown again from its own log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import click
+import numpy as np
+
+from server.run_folder import RunReader, TickArray
+from sim.capture.mission import prepare
+from sim.capture.replay import Difference, controlled, first_difference, rerun
+from sim.capture.tick import TICK
+from sim.errors import CaptureError, MissionRefused
+
+
+def replay(reader: RunReader) -> dict[str, Any]:
+    """What `becalm replay --json` prints.
+
+    Raises:
+        MissionRefused: the run holds no ticks.
+
+    """
+    if not reader.tick_count:
+        raise MissionRefused(f"run {reader.record.id} holds no ticks", tip="becalm run flies one that does")
+    click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
+    prepare()
+    history = reader.history()
+    end = int(_last(reader)["tick"]) + 1
+    return {
+        "run_id": reader.record.id,
+        "ticks": reader.tick_count,
+        "integrity": reader.record.integrity,
+        "versions": reader.record.versions,
+        "controller": _compared(reader, controlled(history, reader.chunks())),
+        "rerun": _compared(reader, rerun(history, end)),
+    }
+
+
+def same(report: dict[str, Any]) -> bool:
+    """Whether nothing differs."""
+    return bool(report["controller"]["same"] and report["rerun"]["same"])
+
+
+def as_text(report: dict[str, Any]) -> str:
+    """What `becalm replay` prints."""
+    lines = [f"Run {report['run_id']}, {report['ticks']} ticks"]
+    for name, title in (("controller", "today's controller in the recorded states"), ("rerun", "flown again")):
+        lines.append(f"  {title}: {_in_words(report[name])}")
+    return "\n".join(lines)
+
+
+def _last(reader: RunReader) -> Any:
+    last = reader.last_tick()
+    assert last is not None, "there are ticks"
+    return last[0]
+
+
+def _in_words(result: dict[str, Any]) -> str:
+    if result["same"]:
+        return f"the same to the last bit in {result['compared']} ticks"
+    if "refused" in result:
+        return f"refused: {result['refused']}"
+    first = result["first_difference"]
+    return (
+        f"differs from tick {first['tick']} ({first['time']:.3f} s) on: {first['quantity']} was {first['recorded']!r}, "
+        f"is {first['now']!r}"
+    )
+
+
+def _compared(reader: RunReader, now: Iterator[TickArray]) -> dict[str, Any]:
+    """Both flights tick by tick, with no more than a few chunks in memory."""
+    compared = 0
+    waiting: TickArray = np.empty(0, TICK)
+    try:
+        for recorded in reader.chunks():
+            while not len(waiting) or waiting["tick"][-1] < recorded["tick"][-1]:
+                following = next(now, None)
+                if following is None:
+                    break
+                waiting = np.concatenate([waiting, following]) if len(waiting) else following
+            at = np.searchsorted(waiting["tick"], recorded["tick"])
+            known = at < len(waiting)
+            difference = first_difference(recorded[known], waiting[at[known]])
+            if difference is not None:
+                return _differing(compared, difference)
+            compared += int(known.sum())
+            if not known.all():
+                missing = int(recorded["tick"][np.argmin(known)])
+                return {"same": False, "compared": compared, "refused": f"today's flight ends before tick {missing}"}
+            waiting = waiting[at[-1] + 1 :]
+    except CaptureError as error:
+        return {"same": False, "compared": compared, "refused": str(error)}
+    return {"same": True, "compared": compared, "first_difference": None}
+
+
+def _differing(compared: int, difference: Difference) -> dict[str, Any]:
+    return {"same": False, "compared": compared, "first_difference": difference._asdict()}
