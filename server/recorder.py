@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+from server.log.writer import prepare_logs
 from server.run_folder import LoggedEvent, RunRecord, RunWriter, TickArray
 from server.runs import RunStore
 
@@ -39,6 +40,7 @@ class Recorder:
 
     def start(self) -> None:
         """Start the thread."""
+        prepare_logs()
         self._thread.start()
 
     def shutdown(self, timeout: float = 5.0) -> None:
