@@ -13,7 +13,9 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
+from server.decimated import decimated
 from server.export import MEDIA_TYPES, LogFormat, Span, exported
+from server.history import History
 from server.live_mission import display_name
 from server.run_folder import Integrity, LoggedEvent, Note, Remarks, RunKind, RunReader, RunRecord, RunStatus
 from server.runs import new_record
@@ -271,6 +273,20 @@ def log(
         media_type=MEDIA_TYPES[log_format],
         headers={"Content-Disposition": disposition},
     )
+
+
+@router.get("/{run_id}/ticks", responses=responses(404, 409))
+def ticks(
+    services: ServicesDep,
+    run_id: RunId,
+    since: Annotated[float | None, Query(alias="from", ge=0, description="First mission time [s]")] = None,
+    until: Annotated[float | None, Query(alias="to", ge=0, description="Last mission time [s]")] = None,
+    points: Annotated[int, Query(ge=2, le=20_000, description="Rows at most")] = 2000,
+) -> History:
+    """A run for plots, in the form of the live mission's history, with the extremes of every piece of time."""
+    reader = services.store.read(run_id)
+    _require_log(reader, since, until)
+    return decimated(reader, points, Span(since, until))
 
 
 @router.get("/{run_id}/events", responses=responses(404))

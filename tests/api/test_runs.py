@@ -345,3 +345,15 @@ async def test_list_is_filtered(console, wanted, found):
     assert (await console.http.patch(f"/runs/{_record(1).id}", json=body)).status_code == 200
     answer = await console.http.get("/runs", params={**wanted, "cursor": "2021"})
     assert len(answer.json()["runs"]) == found
+
+
+async def test_ticks_for_a_plot(console):
+    run_id = await _captured(console)
+    peak = max(touch["peak"] for touch in (await console.http.get(f"/runs/{run_id}")).json()["outcome"]["contacts"])
+    history = (await console.http.get(f"/runs/{run_id}/ticks", params={"points": 200})).json()
+    names = [column["name"] for column in history["columns"]]
+    places = [names.index(f"{arm}.hand_wrench.x") for arm in ("left", "right")]
+    shown = max(abs(row[place]) for row in history["rows"] for place in places)
+    assert 0.0 < shown <= peak
+    assert 150 < len(history["rows"]) <= 201
+    assert (await console.http.get(f"/runs/{run_id}/ticks", params={"from": 1e4})).status_code == 422
