@@ -20,6 +20,7 @@ from server.feed import Feed
 from server.loop import MissionLoop
 from server.projector import Projector
 from server.recorder import Recorder
+from server.retention import keep_removing
 from server.runs import RunStore
 from server.scene import Scene
 from server.scripted import ScriptedRuns
@@ -88,9 +89,12 @@ def _lifespan(
         app.state.scene_port = projector.start()
         services.store.recover()
         services.scripted.resume()
+        settings = services.settings
+        retention = asyncio.create_task(keep_removing(services.store, settings.keep_days, settings.keep_gb))
         try:
             yield
         finally:
+            retention.cancel()
             services.feed.detach()
             projector.shutdown()
             services.loop.shutdown()

@@ -34,6 +34,8 @@ class Settings(BaseModel):
     host: str = Field("127.0.0.1", min_length=1, description="Address to listen on")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes any free one")
     data_dir: Path = Field(default_factory=default_data_dir, description="Folder of the runs")
+    keep_days: float | None = Field(None, ge=0, description="Age from which on runs are removed [days]; none: never")
+    keep_gb: float | None = Field(None, ge=0, description="Size of the library from which on the oldest go [GB]")
     plant: Literal["simulation"] = Field("simulation", description="What is flown")
     configuration: str = Field("published_figures", description="Named configuration that the live mission opens with")
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
@@ -50,7 +52,7 @@ class Settings(BaseModel):
 
         """
         chosen: dict[str, Any] = {name: value for name, value in flags.items() if value is not None}
-        for name in ("host", "port", "data_dir", "plant", "configuration", "allowed_hosts"):
+        for name in ("host", "port", "data_dir", "keep_days", "keep_gb", "plant", "configuration", "allowed_hosts"):
             text = environment.get(ENVIRONMENT_PREFIX + name.upper())
             if text and name not in chosen:
                 chosen[name] = tuple(text.split(",")) if name == "allowed_hosts" else text
