@@ -247,7 +247,7 @@ def study(
     """
     changes = _changes(file, settings)
     from becalm import studying  # noqa: PLC0415 - the simulation takes a second to load
-    from sim.study.executors import cores  # noqa: PLC0415
+    from sim.study.cores import cores  # noqa: PLC0415
 
     output = studying.output_file(out, table_format)
     chosen = studying.chosen_study(name_or_file, changes, seed)

@@ -10,23 +10,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
-import numpy as np
 
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
-from sim.study.design import Study, flattened, read_study, study_of
-from sim.study.executors import LocalProcesses, fly_cells
+from sim.study.design import Study, altered, read_study
+from sim.study.executors import LocalProcesses
 from sim.study.export import TableFormat, export
+from sim.study.flight import MANY_CELLS, Flight, Progress, cell_time, in_words
 from sim.study.published import NAMED_STUDIES, Agreement, agreement, is_comparable
-from sim.study.run import CellTask, Row, fly_cell
 from sim.study.shares import OutcomeShare, outcome_shares
 from sim.study.table import StudyTable
-
-MANY_CELLS = 10_000
-"""A study with more is asked for."""
-
-TRIAL_CELLS = 6
-"""Flown to estimate how long a study takes."""
 
 PROGRESS_STEP = 5.0
 """Between two lines of progress where the terminal cannot rewrite one [s]."""
@@ -55,10 +48,8 @@ class Report(NamedTuple):
     workers: int
     resumed: int
     """Cells that were there from an earlier start."""
-    wall_time: float
-    """From the first cell flown to the last [s]."""
-    simulated_time: float
-    """Of the cells flown in that time [s]."""
+    progress: Progress
+    """When the last cell had ended."""
     failures: list[str]
     """Why cells have no outcome."""
     shares: list[OutcomeShare]
@@ -102,11 +93,7 @@ def chosen_study(name_or_file: str, changes: Mapping[str, Any], seed: int | None
         raise ConfigError(f"study = {name_or_file!r} is neither a named study ({known}) nor a file")
     if study is None:
         study = read_study(Path(name_or_file))
-    definition = study.definition()
-    definition["changes"] |= flattened(changes)
-    if seed is not None:
-        definition["seed"] = seed
-    return study_of(definition)
+    return altered(study, changes, seed)
 
 
 def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Report:
@@ -126,17 +113,14 @@ def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Repor
             click.echo(f"Going on: {resumed} of {study.count} cells are there already", err=True)
         if study.count - resumed > MANY_CELLS and not confirmed:
             _ask(study, study.count - resumed, workers)
-        before = time.perf_counter()
-        simulated_time = _fly_missing(study, table, workers)
-        wall_time = time.perf_counter() - before
+        progress = _fly_missing(table, workers)
         export(table, output.path, output.table_format)
         report = Report(
             study=study,
             output=output,
             workers=workers,
             resumed=resumed,
-            wall_time=wall_time,
-            simulated_time=simulated_time,
+            progress=progress,
             failures=[row["error"] for row in table.rows() if row["error"] is not None],
             shares=outcome_shares(study, table.rows()),
             agreements=agreement(table.rows()) if is_comparable(study) else None,
@@ -145,81 +129,54 @@ def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Repor
     return report
 
 
-def _fly_missing(study: Study, table: StudyTable, workers: int) -> float:
-    """Fly the cells without a row; how much time was simulated [s]."""
-    simulated_time = 0.0
-    progress = _progress(study.count)
-
-    def keep(row: Row) -> None:
-        nonlocal simulated_time
-        table.add(row)
-        simulated_time += row["duration"] or 0.0
-        progress(len(table))
-
-    tasks = (CellTask(study.base, study.direct, study.cell(index)) for index in table.missing())
+def _fly_missing(table: StudyTable, workers: int) -> Progress:
+    """Fly the cells without a row."""
+    flight = Flight(table)
+    show = _progress()
     try:
-        fly_cells(tasks, keep, lambda: LocalProcesses(workers), at_once=2 * workers)
+        flight.fly(lambda: LocalProcesses(workers), at_once=2 * workers, on_row=lambda _: show(flight.progress))
     except KeyboardInterrupt:
         for worker in multiprocessing.active_children():
             worker.terminate()
         click.echo(
-            f"\nStopped. {len(table)} of {study.count} cells are kept in {table.path}; "
+            f"\nStopped. {len(table)} of {table.study.count} cells are kept in {table.path}; "
             "the same command goes on from there",
             err=True,
         )
         sys.exit(INTERRUPTED)
     if sys.stderr.isatty():
         click.echo("", err=True)
-    return simulated_time
+    return flight.progress
 
 
 def _ask(study: Study, cells: int, workers: int) -> None:
     """Say how long so many cells take, and go on only if that is wanted."""
-    duration = _clock(cell_time(study) * cells / workers)
+    with LocalProcesses(1) as executor:
+        duration = in_words(cell_time(study, executor) * cells / workers)
     question = f"{cells} cells take about {duration} on {workers} workers (--yes does not ask). Start?"
     if not click.confirm(question, err=True):
         raise click.ClickException("nothing was started")
 
 
-def cell_time(study: Study) -> float:
-    """How long a cell takes [s]: the mean of some, spread over the study, which are flown here and forgotten."""
-    places = np.unique(np.linspace(0, study.count - 1, TRIAL_CELLS).astype(np.int64))
-    before = time.perf_counter()
-    for place in places:
-        fly_cell(CellTask(study.base, study.direct, study.cell(int(place))))
-    return (time.perf_counter() - before) / len(places)
-
-
-def _progress(total: int) -> Callable[[int], None]:
-    """What shows how many cells there are, and the time that is left by the pace since the first of now."""
+def _progress() -> Callable[[Progress], None]:
+    """What shows how many cells there are, and the time that is left."""
     rewrites = sys.stderr.isatty()
     step = 0.2 if rewrites else PROGRESS_STEP
-    began = shown = 0.0
-    done_then = 0
+    shown = 0.0
 
-    def show(done: int) -> None:
-        nonlocal began, shown, done_then
+    def show(progress: Progress) -> None:
+        nonlocal shown
         now = time.perf_counter()
-        line = f"Cells: {done} of {total} ({done / total:.0%})"
-        if not done_then:
-            began, done_then = now, done
-        elif done < total and now < shown + step:
+        done, total = progress.done, progress.total
+        if shown and done < total and now < shown + step:
             return
-        else:
-            line += f", {_clock((now - began) / (done - done_then) * (total - done))} left"
+        line = f"Cells: {done} of {total} ({done / total:.0%})"
+        if shown and progress.time_left is not None:
+            line += f", {in_words(progress.time_left)} left"
         shown = now
         click.echo(f"\r{line:<60}" if rewrites else line, err=True, nl=not rewrites)
 
     return show
-
-
-def _clock(duration: float) -> str:
-    """A duration [s] as a person says it."""
-    minutes, seconds = divmod(round(duration), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours:
-        return f"{hours} h {minutes:02d} min"
-    return f"{minutes} min {seconds:02d} s" if minutes else f"{seconds} s"
 
 
 def as_document(report: Report) -> dict[str, Any]:
@@ -232,9 +189,9 @@ def as_document(report: Report) -> dict[str, Any]:
         "outcomes": [share.model_dump() for share in report.shares],
         "agreement": None if report.agreements is None else [table.model_dump() for table in report.agreements],
         "workers": report.workers,
-        "wall_time": report.wall_time,
-        "cells_per_second": report.flown / report.wall_time,
-        "simulated_seconds_per_second": report.simulated_time / report.wall_time,
+        "wall_time": report.progress.wall_time,
+        "cells_per_second": report.progress.cells_per_second,
+        "simulated_seconds_per_second": report.progress.simulated_seconds_per_second,
         "out": str(report.output.path),
         "format": report.output.table_format.value,
     }
@@ -242,10 +199,10 @@ def as_document(report: Report) -> dict[str, Any]:
 
 def as_text(report: Report) -> str:
     """What `becalm study` prints."""
-    rate = report.flown / report.wall_time
+    progress = report.progress
     lines = [
-        f"Study {report.study.name}: {report.study.count} cells, {report.flown} flown in {_clock(report.wall_time)} "
-        f"by {report.workers} workers ({rate:.1f} a second)",
+        f"Study {report.study.name}: {report.study.count} cells, {report.flown} flown in "
+        f"{in_words(progress.wall_time)} by {report.workers} workers ({progress.cells_per_second or 0.0:.1f} a second)",
         "",
         *map(_share_line, report.shares),
         *_failure_lines(report.failures),

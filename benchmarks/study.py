@@ -15,7 +15,8 @@ import time
 import numpy as np
 
 from sim.capture.mission import prepare
-from sim.study.executors import LocalProcesses, cores, fly_cells
+from sim.study.cores import cores
+from sim.study.executors import LocalProcesses, fly_cells
 from sim.study.published import PUBLISHED_STUDY, agreement
 from sim.study.run import CellTask, Row, fly_cell
 

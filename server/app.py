@@ -12,7 +12,7 @@ from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 
 from server import scene_proxy
-from server.api import PREFIX, config, health, mission, problem_json, runs, telemetry
+from server.api import PREFIX, config, health, mission, problem_json, runs, studies, telemetry
 from server.api.origin import SameOrigin
 from server.api.services import Services
 from server.console import serve_console
@@ -25,6 +25,8 @@ from server.runs import RunStore
 from server.scene import Scene
 from server.scripted import ScriptedRuns
 from server.settings import Settings
+from server.studies import StudyStore
+from server.study_queue import StudyQueue
 from server.versions import becalm_version
 
 SWITCH_INTERVAL = 5e-4
@@ -58,7 +60,9 @@ def create_app(settings: Settings) -> FastAPI:
     store = RunStore(settings.data_dir / "runs")
     recorder = Recorder(store)
     loop = MissionLoop(settings.configuration, initial, feed, recorder)
-    services = Services(settings, feed, loop, store, ScriptedRuns(store))
+    studies = StudyStore(settings.data_dir / "studies")
+    study_queue = StudyQueue(studies, settings.study_workers)
+    services = Services(settings, feed, loop, store, ScriptedRuns(store), studies, study_queue)
     projector = Projector(Scene(initial), feed, loop)
 
     app = Service(
@@ -89,6 +93,7 @@ def _lifespan(
         app.state.scene_port = projector.start()
         services.store.recover()
         services.scripted.resume()
+        services.study_queue.start()
         settings = services.settings
         retention = asyncio.create_task(keep_removing(services.store, settings.keep_days, settings.keep_gb))
         try:
@@ -100,13 +105,14 @@ def _lifespan(
             services.loop.shutdown()
             recorder.shutdown()
             services.scripted.shutdown()
+            services.study_queue.shutdown()
 
     return lifespan
 
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, mission, config, runs, telemetry):
+    for resource in (health, mission, config, runs, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(scene_proxy.router)

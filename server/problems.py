@@ -2,6 +2,9 @@
 
 CaptureError (sim.errors)
 ├── ServiceBusy     a bounded queue is full, or the plant is still being prepared (REST 503)
+├── StudyNotFound   no such study (REST 404)
+├── StudyRefused    a request that the study's status does not allow (REST 409)
+├── ConfirmationNeeded  a study of very many cells (REST 409)
 ├── LoopSilent      the mission thread did not answer in time (REST 504)
 └── AddressInUse    the port cannot be bound (exit 1)
 """
@@ -13,6 +16,7 @@ from pydantic import Field
 from sim.capture.events import Event, Severity
 from sim.capture.snapshot import Published
 from sim.errors import CaptureError
+from sim.study.flight import in_words
 
 
 class ServiceBusy(CaptureError):
@@ -21,6 +25,27 @@ class ServiceBusy(CaptureError):
 
 class LoopSilent(CaptureError):
     """The mission thread did not answer in time."""
+
+
+class StudyNotFound(CaptureError):
+    """No study has that identifier."""
+
+
+class StudyRefused(CaptureError):
+    """A request that the study's status does not allow."""
+
+
+class ConfirmationNeeded(CaptureError):
+    """A study so large that whoever starts it must say that it is meant."""
+
+    def __init__(self, cells: int, estimated_time: float) -> None:
+        super().__init__(
+            f"the study has {cells} cells, which take about {in_words(estimated_time)}",
+            tip='send the same request with "confirm": true, or make the study smaller',
+        )
+        self.cells = cells
+        self.estimated_time = estimated_time
+        """Wall time [s]."""
 
 
 class AddressInUse(CaptureError):

@@ -23,7 +23,6 @@ import numpy as np
 from mcap.records import ChunkIndex
 from pydantic import Field
 
-from server.claim import Claim
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.topics import CDR_TICK
@@ -33,6 +32,7 @@ from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Outcome, Published
 from sim.capture.tick import TICK
+from sim.claim import Claim
 from sim.config import MissionConfig
 from sim.control.phases import Command
 
@@ -46,6 +46,7 @@ EVENTS_NAME = "events.jsonl"
 REMARKS_NAME = "remarks.json"
 LOG_NAME = "log.mcap"
 CANCEL_NAME = ".cancel"
+CLAIM_NAME = ".writing"
 
 SYNC_PERIOD = 0.5
 """Wall time between two orders to the disk itself [s]: what a power cut may cost."""
@@ -227,7 +228,7 @@ class RunWriter:
 
         """
         self._folder = folder
-        self._claim = Claim(folder)
+        self._claim = Claim(folder / CLAIM_NAME)
         self._events: BinaryIO = (folder / EVENTS_NAME).open("ab")
         self._sink: _WholeWrites | None = None
         self._log: LogWriter | None = None

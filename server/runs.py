@@ -16,9 +16,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from server.claim import Claim, is_claimed
 from server.run_folder import (
     CANCEL_NAME,
+    CLAIM_NAME,
     RECORD_NAME,
     TICK_CHANNEL,
     Remarks,
@@ -32,6 +32,7 @@ from server.run_folder import (
     write_record,
     write_remarks,
 )
+from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
 
@@ -102,7 +103,7 @@ class RunStore:
             record = read_record(folder)
         except FileNotFoundError:
             raise _not_found(run_id) from None
-        if record.integrity is None and record.status != "queued" and not is_claimed(folder):
+        if record.integrity is None and record.status != "queued" and not is_claimed(folder / CLAIM_NAME):
             record = _recovered(folder)
         return record
 
@@ -198,7 +199,7 @@ def _not_found(run_id: str) -> RunNotFound:
 def _recovered(folder: Path) -> RunRecord:
     """The run of a process that is gone, with what it truly has; its log and record are put right on disk."""
     try:
-        claim = Claim(folder)
+        claim = Claim(folder / CLAIM_NAME)
     except BlockingIOError:
         return read_record(folder)  # somebody is at it
     try:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.errors import ConfigError
+from sim.study.cores import cores
 
 ENVIRONMENT_PREFIX = "BECALM_"
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
@@ -39,6 +40,12 @@ class Settings(BaseModel):
     plant: Literal["simulation"] = Field("simulation", description="What is flown")
     configuration: str = Field("published_figures", description="Named configuration that the live mission opens with")
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
+    study_workers: int = Field(
+        default_factory=lambda: max(1, cores() - 1),
+        ge=1,
+        le=1024,
+        description="Processes that fly studies; one core is left to the live mission",
+    )
     allowed_hosts: tuple[str, ...] = Field(
         (), description="Host names that requests may use; empty: loopback's on loopback, any elsewhere"
     )
@@ -52,7 +59,7 @@ class Settings(BaseModel):
 
         """
         chosen: dict[str, Any] = {name: value for name, value in flags.items() if value is not None}
-        for name in ("host", "port", "data_dir", "keep_days", "keep_gb", "plant", "configuration", "allowed_hosts"):
+        for name in cls.model_fields.keys() - {"changes"}:
             text = environment.get(ENVIRONMENT_PREFIX + name.upper())
             if text and name not in chosen:
                 chosen[name] = tuple(text.split(",")) if name == "allowed_hosts" else text

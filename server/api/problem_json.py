@@ -15,9 +15,11 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
-from server.problems import LoopSilent, ServiceBusy
+from server.problems import ConfirmationNeeded, LoopSilent, ServiceBusy, StudyNotFound, StudyRefused
 from sim.config import PARAMETERS
 from sim.errors import CaptureError, ConfigError, MissionRefused, RunNotFound
+from sim.study.executors import WorkersUnavailable
+from sim.study.table import TableUnusable
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -25,6 +27,11 @@ STATUSES: dict[type[CaptureError], int] = {
     ConfigError: 422,
     MissionRefused: 409,
     RunNotFound: 404,
+    StudyNotFound: 404,
+    StudyRefused: 409,
+    ConfirmationNeeded: 409,
+    TableUnusable: 409,
+    WorkersUnavailable: 503,
     ServiceBusy: 503,
     LoopSilent: 504,
 }
@@ -70,6 +77,8 @@ class ProblemDocument(BaseModel):
     detail: str = Field(examples=["release is refused in phase idle: nothing is under way yet"])
     tip: str = Field("", description="What a person can do about it")
     errors: list[Finding] | None = Field(None, description="Of 422: each value that cannot be")
+    cells: int | None = Field(None, description="Of a study to be confirmed: how many cells it has")
+    estimated_time: float | None = Field(None, description="Of a study to be confirmed: wall time it takes [s]")
 
 
 def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -107,6 +116,8 @@ async def _refused(_: Request, error: Exception) -> JSONResponse:
         detail=str(error),
         tip=error.tip,
         errors=_config_findings(error) if isinstance(error, ConfigError) else None,
+        cells=error.cells if isinstance(error, ConfirmationNeeded) else None,
+        estimated_time=error.estimated_time if isinstance(error, ConfirmationNeeded) else None,
     )
     return _answer(document, {"Retry-After": "1"} if status == 503 else None)
 

@@ -13,6 +13,8 @@ from server.loop import MissionLoop
 from server.runs import RunStore
 from server.scripted import ScriptedRuns
 from server.settings import Settings
+from server.studies import StudyStore
+from server.study_queue import StudyQueue
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,8 @@ class Services:
     loop: MissionLoop
     store: RunStore
     scripted: ScriptedRuns
+    studies: StudyStore
+    study_queue: StudyQueue
 
 
 def _services(connection: HTTPConnection) -> Services:

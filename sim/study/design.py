@@ -80,7 +80,7 @@ class Study(StudyModel):
             raise ValueError("the study varies nothing; give it a grid or samples")
         self._require_each_path_once()
         for path in self.grid:
-            _require_distinct(path, self._levels[path])
+            _require_distinct(path, self.levels[path])
         self._require_points_within_bounds()
         try:
             assert self.base
@@ -124,7 +124,7 @@ class Study(StudyModel):
         return revised(named_configuration(self.configuration), nested(self.changes))
 
     @cached_property
-    def _levels(self) -> dict[str, tuple[Value, ...]]:
+    def levels(self) -> dict[str, tuple[Value, ...]]:
         """Full path to the values of each axis of the grid."""
         return {
             path: tuple(checked(path, value, "grid") for value in axis.listed()) for path, axis in self.grid.items()
@@ -141,7 +141,7 @@ class Study(StudyModel):
     @property
     def shape(self) -> tuple[int, ...]:
         """How many values each axis has, and how many points the sample."""
-        return (*(len(values) for values in self._levels.values()), len(self._points))
+        return (*(len(values) for values in self.levels.values()), len(self._points))
 
     @property
     def count(self) -> int:
@@ -159,7 +159,7 @@ class Study(StudyModel):
             raise IndexError(f"the study has {self.count} cells, numbered from 0; there is none at {index}")
         rest, point = divmod(index, len(self._points))
         chosen: dict[str, Value] = {}
-        for path, levels in reversed(self._levels.items()):
+        for path, levels in reversed(self.levels.items()):
             rest, place = divmod(rest, len(levels))
             chosen[path] = levels[place]
         values = {path: chosen[path] for path in self.grid}
@@ -210,6 +210,20 @@ def study_of(definition: Mapping[str, Any]) -> Study:
         return Study.model_validate(dict(definition))
     except ValidationError as error:
         raise ConfigError("; ".join(map(_told, error.errors(include_url=False)))) from None
+
+
+def altered(study: Study, changes: Mapping[str, Any], seed: int | None) -> Study:
+    """The study with these nested changes to what its cells share, and perhaps another seed.
+
+    Raises:
+        ConfigError: it cannot be.
+
+    """
+    definition = study.definition()
+    definition["changes"] |= flattened(changes)
+    if seed is not None:
+        definition["seed"] = seed
+    return study_of(definition)
 
 
 def read_study(path: Path) -> Study:

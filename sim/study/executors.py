@@ -30,19 +30,12 @@ class WorkersUnavailable(CaptureError):
     """No worker of the executor could be started."""
 
 
-def cores() -> int:
-    """How many processor cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 class LocalProcesses(ProcessPoolExecutor):
     """Worker processes on this machine, started clean (spawn): nothing of this process is inherited."""
 
-    def __init__(self, workers: int) -> None:
+    def __init__(self, workers: int, niceness: int = 0) -> None:
         context = multiprocessing.get_context("spawn")
-        super().__init__(workers, mp_context=context, initializer=_begin_worker)
+        super().__init__(workers, mp_context=context, initializer=_begin_worker, initargs=(niceness,))
 
     def submit(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_R]:
         """As every executor; a worker that starts for it keeps the mask, so that Ctrl-C never reaches it."""
@@ -53,8 +46,10 @@ class LocalProcesses(ProcessPoolExecutor):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin_worker() -> None:
-    """A worker ends with the process that leads the study, however that ends."""
+def _begin_worker(niceness: int) -> None:
+    """A worker ends with the process that leads the study, however that ends; `niceness` lets others go first."""
+    if hasattr(os, "nice"):
+        os.nice(niceness)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

@@ -94,8 +94,8 @@ def published_classes() -> Mapping[Impedance, str]:
 
 
 def is_comparable(study: Study) -> bool:
-    """Whether the published tables can be laid beside this study: it has the same cells, and detumbles."""
-    return study.grid == PUBLISHED_STUDY.grid and study.samples is None and not study.direct
+    """Whether the published tables can be laid beside this study: a grid over the same three, that detumbles."""
+    return set(study.grid) == set(PUBLISHED_STUDY.grid) and study.samples is None and not study.direct
 
 
 def agreement(rows: Iterable[Row]) -> list[Agreement]:

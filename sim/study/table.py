@@ -10,24 +10,72 @@ import hashlib
 import json
 import platform
 import sqlite3
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
+from sim.claim import Claim
 from sim.errors import CaptureError
 from sim.study.design import Study
-from sim.study.run import Row, columns
+from sim.study.run import Column, Row, columns
 
 _SQL_TYPES = {float: "REAL", int: "INTEGER", bool: "INTEGER", str: "TEXT"}
 _NUMERIC_PACKAGES = ("numba", "numpy", "pymunk", "scipy")
 _SIM = Path(__file__).parents[1]
 
+PATIENCE = 5.0
+"""How long one connection waits for another that writes [s]."""
+
 
 class TableUnusable(CaptureError):
     """The file that keeps a study's results cannot be used: another study's, in use, or not writable."""
+
+
+class KeptRow(NamedTuple):
+    """A row, and its place in the order in which rows were kept."""
+
+    sequence: int
+    row: dict[str, Any]
+
+
+class StudyRows:
+    """What a table holds until now; reads it also while another thread or process writes it."""
+
+    def __init__(self, path: Path, study: Study) -> None:
+        self.path = path
+        self.study = study
+        self.columns = columns(study)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self._select("cell"))
+
+    def rows(self, *names: str) -> Iterator[dict[str, Any]]:
+        """All rows, ordered by cell, with these columns; with every column if none is named."""
+        chosen = [column for column in self.columns if not names or column.name in names]
+        for _, *values in self._select("sequence", *(column.name for column in chosen), order="cell"):
+            yield _as_row(chosen, values)
+
+    def rows_after(self, sequence: int, limit: int) -> list[KeptRow]:
+        """At most `limit` rows that were kept after the row `sequence`, in the order in which they were."""
+        names = (column.name for column in self.columns)
+        found = self._select("sequence", *names, order="sequence", after=sequence, limit=limit)
+        return [KeptRow(place, _as_row(self.columns, values)) for place, *values in found]
+
+    def _select(
+        self, *names: str, order: str = "sequence", after: int = 0, limit: int = -1
+    ) -> Iterator[tuple[Any, ...]]:
+        """The values of these columns; nothing if the table has not been begun."""
+        if not self.path.exists():
+            return
+        wanted = ", ".join(f'"{name}"' for name in names)
+        query = f"SELECT {wanted} FROM cells WHERE sequence > ? ORDER BY {order} LIMIT ?"
+        with _told(self.path), closing(sqlite3.connect(self.path, timeout=PATIENCE)) as connection:
+            connection.execute("PRAGMA query_only = ON")
+            if connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'cells'").fetchone():
+                yield from connection.execute(query, (after, limit))
 
 
 class StudyTable:
@@ -43,15 +91,15 @@ class StudyTable:
         self.path = path
         self.study = study
         self.columns = columns(study)
-        with self._told():
-            self._rows = sqlite3.connect(path, timeout=0.5, isolation_level=None)
-        try:
-            with self._told():
+        self._claim = self._claimed()
+        with ExitStack() as undo:
+            undo.callback(self._claim.release, remove=True)
+            with _told(path):
+                self._rows = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
+                undo.callback(self._rows.close)
                 self._begin()
-        except BaseException:
-            self._rows.close()
-            raise
-        self._cells = set(self._kept_cells())
+                self._cells = set(self._kept_cells())
+            undo.pop_all()
 
     def __enter__(self) -> Self:
         return self
@@ -69,6 +117,7 @@ class StudyTable:
         self._rows.close()
         if not self._cells:
             self.path.unlink(missing_ok=True)
+        self._claim.release(remove=True)
 
     def missing(self) -> Iterator[int]:
         """The places of the cells that have no row yet, in order."""
@@ -81,27 +130,30 @@ class StudyTable:
             TableUnusable: the file cannot be written, for instance because the disk is full.
 
         """
-        marks = ",".join("?" * len(self.columns))
-        with self._told():
+        names = ", ".join(f'"{column.name}"' for column in self.columns)
+        marks = ", ".join("?" * len(self.columns))
+        with _told(self.path):
             self._rows.execute(
-                f"INSERT OR IGNORE INTO cells VALUES ({marks})", [row[column.name] for column in self.columns]
+                f"INSERT OR IGNORE INTO cells ({names}) VALUES ({marks})", [row[column.name] for column in self.columns]
             )
         self._cells.add(row["cell"])
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """All rows, ordered by cell."""
-        flags = [column.name for column in self.columns if column.kind is bool]
-        names = [column.name for column in self.columns]
-        with closing(self._rows.execute("SELECT * FROM cells ORDER BY cell")) as cursor:
-            for values in cursor:
-                row = dict(zip(names, values, strict=True))
-                for flag in flags:
-                    row[flag] = None if row[flag] is None else bool(row[flag])
-                yield row
+        return StudyRows(self.path, self.study).rows()
+
+    def _claimed(self) -> Claim:
+        """Two processes on one file would fly every cell twice."""
+        try:
+            return Claim(self.path.with_name(self.path.name + ".claim"))
+        except BlockingIOError:
+            problem = f"{self.path}: another process is flying this study"
+            raise TableUnusable(problem, tip="let that one end") from None
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
 
     def _begin(self) -> None:
-        # Exclusive: two processes on one file would fly every cell twice.
-        for setting in ("locking_mode = EXCLUSIVE", "journal_mode = WAL", "synchronous = NORMAL"):
+        for setting in ("journal_mode = WAL", "synchronous = NORMAL"):
             self._rows.execute(f"PRAGMA {setting}")
         self._rows.execute("BEGIN EXCLUSIVE")
         self._rows.execute("CREATE TABLE IF NOT EXISTS study (fingerprint TEXT, definition TEXT)")
@@ -120,7 +172,7 @@ class StudyTable:
         definition = json.dumps(self.study.definition())
         self._rows.execute("INSERT INTO study VALUES (?, ?)", (fingerprint(self.study), definition))
         fields = [f'"{column.name}" {_SQL_TYPES[column.kind]}' for column in self.columns]
-        self._rows.execute(f"CREATE TABLE cells ({', '.join(fields)}, PRIMARY KEY (cell))")
+        self._rows.execute(f"CREATE TABLE cells (sequence INTEGER PRIMARY KEY, {', '.join(fields)}, UNIQUE (cell))")
 
     def _another_study(self) -> TableUnusable:
         return TableUnusable(
@@ -132,16 +184,25 @@ class StudyTable:
     def _kept_cells(self) -> list[int]:
         return [cell for (cell,) in self._rows.execute("SELECT cell FROM cells")]
 
-    @contextmanager
-    def _told(self) -> Iterator[None]:
-        """What SQLite refuses, as an error that names the file."""
-        try:
-            yield
-        except sqlite3.Error as error:
-            in_use = "locked" in str(error)
-            problem = "another process is flying this study" if in_use else f"it cannot be written ({error})"
-            tip = "let that one end" if in_use else "make room or give another --out; the rows kept so far stay"
-            raise TableUnusable(f"{self.path}: {problem}", tip=tip) from None
+
+def _as_row(chosen: Sequence[Column], values: Sequence[Any]) -> dict[str, Any]:
+    """What SQLite keeps as whole numbers is true or false again."""
+    pairs = zip(chosen, values, strict=True)
+    return {column.name: bool(value) if column.kind is bool and value is not None else value for column, value in pairs}
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """What SQLite refuses, as an error that names the file."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise _unwritable(path, error) from None
+
+
+def _unwritable(path: Path, error: Exception) -> TableUnusable:
+    tip = "make room or give another --out; the rows kept so far stay"
+    return TableUnusable(f"{path}: it cannot be used ({error})", tip=tip)
 
 
 def fingerprint(study: Study) -> str:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from server.claim import Claim, is_claimed
 from server.run_folder import LoggedEvent, read_record
 from server.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
+from sim.claim import Claim, is_claimed
 from sim.configurations import named_configuration
 from sim.errors import MissionRefused, RunNotFound
 
@@ -138,12 +138,12 @@ def test_record_is_replaced_whole(store):
 
 
 def test_a_claim_is_alone_and_ends(tmp_path):
-    claim = Claim(tmp_path)
-    assert is_claimed(tmp_path)
+    claim = Claim(tmp_path / "claim")
+    assert is_claimed(tmp_path / "claim")
     with pytest.raises(BlockingIOError):
-        Claim(tmp_path)
+        Claim(tmp_path / "claim")
     claim.release()
-    assert not is_claimed(tmp_path)
+    assert not is_claimed(tmp_path / "claim")
 
 
 @pytest.mark.parametrize("run_id", ["", ".", "..", "../runs", "20200101T000000000-abcdef", "x/y"])

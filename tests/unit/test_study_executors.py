@@ -7,8 +7,9 @@ from concurrent.futures import BrokenExecutor, Executor, Future
 
 import pytest
 
+from sim.study.cores import cores
 from sim.study.design import study_of
-from sim.study.executors import WorkersUnavailable, cores, fly_cells
+from sim.study.executors import WorkersUnavailable, fly_cells
 from sim.study.run import CellTask, failed_row
 
 STUDY = study_of({"grid": {"control.impedance.mass": {"from": 0.1, "to": 1.0, "count": 10}}})

@@ -1,0 +1,297 @@
+"""`/studies`: many captures that differ in chosen parameters, their rows as they come, and each cell as a run."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from itertools import islice
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Query, Response
+from fastapi.responses import FileResponse
+from pydantic import BaseModel, ConfigDict, Field, JsonValue
+from starlette.background import BackgroundTask
+
+from server.api.problem_json import responses
+from server.api.runs import Run, run_of
+from server.api.services import Services, ServicesDep
+from server.live_mission import display_name
+from server.runs import new_record
+from server.studies import StudyRecord, StudyStatus
+from sim.config import PARAMETERS
+from sim.study.axes import Distribution, SampleMethod, Value
+from sim.study.design import Study, altered, configured, study_of
+from sim.study.export import TableFormat, export
+from sim.study.flight import Progress
+from sim.study.published import (
+    DAMPING,
+    MASS,
+    STIFFNESS,
+    Agreement,
+    agreement,
+    is_comparable,
+    named_study,
+    published_classes,
+)
+from sim.study.shares import OutcomeShare, outcome_shares
+
+router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422))
+
+StudyId = Annotated[str, Path(description="Identifier of a study", examples=["20261125T103000123-4f9a2c"])]
+CellIndex = Annotated[int, Path(ge=0, description="Place of a cell in the study, from 0")]
+
+MEDIA_TYPES: dict[TableFormat, str] = {
+    TableFormat.CSV: "text/csv; charset=utf-8",
+    TableFormat.PARQUET: "application/vnd.apache.parquet",
+    TableFormat.JSON: "application/json",
+}
+
+
+class StudyRequest(BaseModel):
+    """A study to be flown: a named one, or one that is defined here."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {"study": "published"},
+                {
+                    "study": {
+                        "name": "spins",
+                        "configuration": "published",
+                        "grid": {"target.initial_spin": {"from": 0.5, "to": 1.5, "count": 5}},
+                        "samples": {
+                            "count": 8,
+                            "method": "sobol",
+                            "over": {"target.mass": {"mean": 2.35, "deviation": 0.1}},
+                        },
+                    },
+                    "seed": 1,
+                },
+            ]
+        },
+    )
+
+    study: str | dict[str, JsonValue] = Field(description="A named study, or a definition as a study file holds it")
+    changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to what all cells share")
+    seed: int | None = Field(None, ge=0, le=2**63 - 1, description="In place of the study's own")
+    confirm: bool = Field(False, description="A study of very many cells is meant")
+
+
+class StudySummary(BaseModel):
+    """A study of the service."""
+
+    id: str
+    name: str
+    status: StudyStatus
+    created: str = Field(description="ISO 8601, UTC")
+    ended: str | None
+    note: str | None = Field(description="Why it failed")
+    progress: Progress
+    versions: dict[str, str]
+
+
+class StudyAxis(BaseModel):
+    """One varied parameter."""
+
+    path: str
+    unit: str
+    description: str
+    values: list[Value] | None = Field(description="On the grid, in their order; null if it is drawn")
+    drawn_from: Distribution | None = Field(description="Of a sample; null on the grid")
+
+
+class StudyColumn(BaseModel):
+    """One column of the rows."""
+
+    name: str
+    kind: str = Field(description="float, int, bool or str")
+    unit: str
+    description: str
+
+
+class StudyDetail(StudySummary):
+    """A study with its definition and what came out until now."""
+
+    definition: dict[str, JsonValue]
+    axes: list[StudyAxis]
+    sample_method: SampleMethod | None
+    columns: list[StudyColumn]
+    outcomes: list[OutcomeShare]
+    agreement: list[Agreement] | None = Field(description="With the paper's tables, where they can be laid beside")
+
+
+class StudyPage(BaseModel):
+    """Studies, newest first."""
+
+    studies: list[StudySummary]
+    next_cursor: str | None = Field(description="For the next page; null on the last one")
+
+
+class StudyRowPage(BaseModel):
+    """Rows in the order in which their cells ended."""
+
+    rows: list[dict[str, JsonValue]]
+    last: int = Field(description="Give it as `after` to get what came later")
+
+
+class PublishedCell(BaseModel):
+    """What the paper prints for one cell."""
+
+    mass: float = Field(description="control.impedance.mass [kg]")
+    damping: float = Field(description="control.impedance.damping [N s/m]")
+    stiffness: float = Field(description="control.impedance.stiffness [N/m]")
+    outcome: str = Field(description="Judged at the first closure")
+
+
+class PublishedTables(BaseModel):
+    """The tables of the paper's parametric study that are at hand."""
+
+    source: str
+    paths: tuple[str, str, str] = Field(description="Parameters of mass, damping and stiffness")
+    cells: list[PublishedCell]
+
+
+@router.post("", status_code=202, responses=responses(409, 503))
+def start_study(services: ServicesDep, body: StudyRequest, response: Response) -> StudyDetail:
+    """Queue a study. One of more than 10 000 cells is refused (409) with the time it takes until it is confirmed."""
+    chosen = named_study(body.study) if isinstance(body.study, str) else study_of(body.study)
+    record = services.study_queue.add(altered(chosen, body.changes, body.seed), confirmed=body.confirm)
+    response.headers["Location"] = f"/api/v1/studies/{record.id}"
+    return _detail(services, record)
+
+
+@router.get("")
+def studies(
+    services: ServicesDep,
+    limit: Annotated[int, Query(ge=1, le=200, description="Studies on a page")] = 50,
+    cursor: Annotated[str | None, Query(description="`next_cursor` of the page before")] = None,
+) -> StudyPage:
+    """The studies, newest first."""
+    found = list(islice(services.studies.newest(before=cursor), limit + 1))
+    shown = [_summary(services, record) for record in found[:limit]]
+    return StudyPage(studies=shown, next_cursor=found[limit - 1].id if len(found) > limit else None)
+
+
+@router.get("/published/tables")
+def published_tables() -> PublishedTables:
+    """The paper's own tables, cell by cell (m = 0.01 and 0.1 kg)."""
+    return PublishedTables(
+        source="Uchida, Uno, Yoshida: Space Debris Reliable Capturing by a Dual-Arm Orbital Robot, iSpaRo 2024",
+        paths=(MASS, DAMPING, STIFFNESS),
+        cells=[PublishedCell(**cell._asdict(), outcome=outcome) for cell, outcome in published_classes().items()],
+    )
+
+
+@router.get("/{study_id}", responses=responses(404))
+def study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
+    """One study, and what came out until now."""
+    return _detail(services, services.studies.record(study_id))
+
+
+@router.delete("/{study_id}", status_code=204, responses=responses(404, 409))
+def delete_study(services: ServicesDep, study_id: StudyId) -> Response:
+    """Remove a study that has ended, with all its rows."""
+    services.study_queue.delete(study_id)
+    return Response(status_code=204)
+
+
+@router.post("/{study_id}/cancel", responses=responses(404, 409))
+def cancel_study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
+    """End a study; it ends after the cells in flight, and its rows stay."""
+    return _detail(services, services.study_queue.cancel(study_id))
+
+
+@router.post("/{study_id}/resume", status_code=202, responses=responses(404, 409, 503))
+def resume_study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
+    """Go on with a study that was cancelled or has failed, from the rows that it has."""
+    return _detail(services, services.study_queue.resume(study_id))
+
+
+@router.get("/{study_id}/rows", responses=responses(404))
+def rows(
+    services: ServicesDep,
+    study_id: StudyId,
+    after: Annotated[int, Query(ge=0, le=2**63 - 1, description="`last` of the page before")] = 0,
+    limit: Annotated[int, Query(ge=1, le=10_000, description="Rows on a page")] = 2_000,
+) -> StudyRowPage:
+    """The rows that came after a row: what a map that fills asks for."""
+    table = services.studies.rows(services.studies.record(study_id))
+    kept = table.rows_after(after, limit)
+    return StudyRowPage(rows=[each.row for each in kept], last=kept[-1].sequence if kept else after)
+
+
+@router.get(
+    "/{study_id}/results",
+    response_class=FileResponse,
+    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404)},
+)
+def results(
+    services: ServicesDep,
+    study_id: StudyId,
+    table_format: Annotated[TableFormat, Query(alias="format", description="csv, parquet or json")] = TableFormat.CSV,
+) -> FileResponse:
+    """The table, ordered by cell, with the rows that are there now."""
+    record = services.studies.record(study_id)
+    folder = FilePath(tempfile.mkdtemp(prefix="becalm-results-"))
+    try:
+        path = folder / f"study.{table_format}"
+        export(services.studies.rows(record), path, table_format)
+    except BaseException:
+        shutil.rmtree(folder)
+        raise
+    return FileResponse(
+        path,
+        media_type=MEDIA_TYPES[table_format],
+        filename=f"becalm-study-{record.id}.{table_format}",
+        background=BackgroundTask(shutil.rmtree, folder),
+    )
+
+
+@router.post("/{study_id}/cells/{index}/run", status_code=202, responses=responses(404, 503))
+def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, response: Response) -> Run:
+    """Fly one cell again, recording every tick, as a run of the library; it ends bit for bit as its row says."""
+    of = services.studies.record(study_id).study
+    config = configured(of.base, of.cell(index))
+    name = display_name(of.configuration, config)
+    record = new_record("study", name, config, direct=of.direct, status="queued", parent=study_id)
+    services.scripted.queue([record])
+    response.headers["Location"] = f"/api/v1/runs/{record.id}"
+    return run_of(services.store.read(record.id))
+
+
+def _summary(services: Services, record: StudyRecord) -> StudySummary:
+    shared = record.model_dump(include=set(StudySummary.model_fields))
+    return StudySummary(**shared, progress=services.study_queue.progress(record))
+
+
+def _detail(services: Services, record: StudyRecord) -> StudyDetail:
+    of, table = record.study, services.studies.rows(record)
+    impedances = table.rows("cell", MASS, DAMPING, STIFFNESS, "at_first_closure")
+    return StudyDetail(
+        **dict(_summary(services, record)),
+        definition=record.definition,
+        axes=_axes(of),
+        sample_method=of.samples.method if of.samples else None,
+        columns=[
+            StudyColumn(name=each.name, kind=each.kind.__name__, unit=each.unit, description=each.description)
+            for each in table.columns
+        ],
+        outcomes=outcome_shares(of, table.rows("outcome")),
+        agreement=agreement(impedances) if is_comparable(of) else None,
+    )
+
+
+def _axes(of: Study) -> list[StudyAxis]:
+    drawn = of.samples.over if of.samples else {}
+    return [
+        StudyAxis(
+            path=path,
+            unit=PARAMETERS[path].json_schema_extra["unit"],
+            description=PARAMETERS[path].description,
+            values=list(of.levels[path]) if path in of.levels else None,
+            drawn_from=drawn.get(path),
+        )
+        for path in of.varied
+    ]

@@ -1,0 +1,192 @@
+"""Flies the service's studies, one after another, in worker processes that leave the live mission its time.
+
+A study that was waiting or flying when the service ended, however it ended, goes on at the next start.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from concurrent.futures import Executor
+from typing import NamedTuple
+
+from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
+from server.runs import wall_clock
+from server.studies import StudyRecord, StudyStatus, StudyStore
+from sim.errors import CaptureError
+from sim.study.design import Study
+from sim.study.executors import LocalProcesses
+from sim.study.flight import MANY_CELLS, Flight, Progress, cell_time
+from sim.study.table import StudyTable
+
+CAPACITY = 16
+"""Studies that may wait."""
+
+NICENESS = 10
+"""The live mission's clock comes first."""
+
+log = logging.getLogger(__name__)
+
+
+class _Flying(NamedTuple):
+    """The study that flies now."""
+
+    study_id: str
+    cancelled: threading.Event
+    flight: Flight | None = None
+    """None until its table is open."""
+
+
+class StudyQueue:
+    """The studies that wait, and the thread that flies them one by one."""
+
+    def __init__(self, store: StudyStore, workers: int) -> None:
+        self._store = store
+        self._workers = workers
+        self._waiting: deque[str] = deque()
+        self._flying: _Flying | None = None
+        self._changed = threading.Condition()
+        self._closing = False
+        self._thread = threading.Thread(target=self._live, name="becalm-studies", daemon=True)
+
+    def start(self) -> None:
+        """Take up what the last service left unfinished, and start the thread."""
+        for record in sorted(self._store.newest(), key=lambda record: record.id):
+            if not record.ended_already:
+                self._waiting.append(self._store.revise(record.id, status="queued").id)
+        self._thread.start()
+
+    def shutdown(self, patience: float = 5.0) -> None:
+        """End after the cells in flight; what has not finished goes on after the next start."""
+        with self._changed:
+            self._closing = True
+            if self._flying is not None:
+                self._flying.cancelled.set()
+            self._changed.notify()
+        self._thread.join(patience)
+
+    def add(self, study: Study, *, confirmed: bool) -> StudyRecord:
+        """Put a study at the end of the queue.
+
+        Raises:
+            ConfirmationNeeded: it has more than `MANY_CELLS` cells, and nobody said that this is meant.
+            ServiceBusy: too many wait already.
+
+        """
+        if study.count > MANY_CELLS and not confirmed:
+            with self._executor(1) as executor:
+                duration = cell_time(study, executor) * study.count / self._workers
+            raise ConfirmationNeeded(study.count, duration)
+        with self._changed:
+            self._require_room()
+            record = self._store.create(study)
+            self._put(record.id)
+        return record
+
+    def resume(self, study_id: str) -> StudyRecord:
+        """Put a study that was cancelled or has failed at the end of the queue; its rows stay.
+
+        Raises:
+            StudyNotFound: there is none with that identifier.
+            StudyRefused: it is whole, or is not ended.
+            ServiceBusy: too many wait already.
+
+        """
+        with self._changed:
+            record = self._store.record(study_id)
+            if record.status not in ("cancelled", "failed"):
+                raise StudyRefused(f"study {study_id} is {record.status}", tip="only a cancelled or failed one goes on")
+            self._require_room()
+            record = self._store.revise(study_id, status="queued", note=None, ended=None)
+            self._put(study_id)
+        return record
+
+    def cancel(self, study_id: str) -> StudyRecord:
+        """End a study that waits, or one that flies after the cells in flight; its rows stay.
+
+        Raises:
+            StudyNotFound: there is none with that identifier.
+            StudyRefused: it has ended.
+
+        """
+        with self._changed:
+            record = self._store.record(study_id)
+            if record.ended_already:
+                raise StudyRefused(f"study {study_id} is {record.status} already", tip="DELETE removes it")
+            if study_id in self._waiting:
+                self._waiting.remove(study_id)
+                return self._store.revise(study_id, status="cancelled", ended=wall_clock())
+            if self._flying is not None and self._flying.study_id == study_id:
+                self._flying.cancelled.set()
+        return record
+
+    def delete(self, study_id: str) -> None:
+        """Remove a study that has ended.
+
+        Raises:
+            StudyNotFound: there is none with that identifier.
+            StudyRefused: it has not ended.
+
+        """
+        with self._changed:
+            if not self._store.record(study_id).ended_already:
+                raise StudyRefused(f"study {study_id} has not ended", tip="cancel it first")
+            self._store.delete(study_id)
+
+    def progress(self, record: StudyRecord) -> Progress:
+        """How far a study has come, with its pace if it flies now."""
+        flying = self._flying
+        if flying is not None and flying.flight is not None and flying.study_id == record.id:
+            return flying.flight.progress
+        return Progress(done=record.done, total=record.cells, wall_time=record.wall_time)
+
+    def _require_room(self) -> None:
+        if len(self._waiting) >= CAPACITY:
+            raise ServiceBusy(f"{CAPACITY} studies wait already", tip="wait until one has finished, or cancel one")
+
+    def _put(self, study_id: str) -> None:
+        self._waiting.append(study_id)
+        self._changed.notify()
+
+    def _live(self) -> None:
+        while (flying := self._next()) is not None:
+            try:
+                self._fly(*flying[:2])
+            except CaptureError as error:
+                self._end(flying.study_id, "failed", str(error))
+            except Exception as error:
+                # The thread outlives every failure: the studies that wait are flown all the same.
+                log.exception("study %s failed", flying.study_id)
+                self._end(flying.study_id, "failed", f"{type(error).__name__}: {error}")
+
+    def _next(self) -> _Flying | None:
+        """The study to fly next; waits for one. None when the service ends."""
+        with self._changed:
+            self._flying = None
+            self._changed.wait_for(lambda: self._closing or self._waiting)
+            if self._closing:
+                return None
+            self._flying = _Flying(self._waiting.popleft(), threading.Event())
+            return self._flying
+
+    def _fly(self, study_id: str, cancelled: threading.Event) -> None:
+        record = self._store.revise(study_id, status="running")
+        with StudyTable(self._store.table_path(study_id), record.study) as table:
+            flight = Flight(table, cancelled)
+            self._flying = _Flying(study_id, cancelled, flight)
+            try:
+                flight.fly(lambda: self._executor(self._workers), at_once=2 * self._workers)
+            finally:
+                progress = flight.progress
+                self._store.revise(study_id, done=progress.done, wall_time=record.wall_time + progress.wall_time)
+        if progress.done == progress.total:
+            self._end(study_id, "finished", None)
+        elif not self._closing:
+            self._end(study_id, "cancelled", None)
+
+    def _end(self, study_id: str, status: StudyStatus, note: str | None) -> None:
+        self._store.revise(study_id, status=status, note=note, ended=wall_clock())
+
+    def _executor(self, workers: int) -> Executor:
+        return LocalProcesses(workers, NICENESS)

@@ -1,0 +1,114 @@
+"""A study in flight: the cells that have no row yet, flown until all have one or somebody asks for the end."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+
+import numpy as np
+from pydantic import Field
+
+from sim.capture.snapshot import Published
+from sim.study.design import Study
+from sim.study.executors import OpenExecutor, fly_cells
+from sim.study.run import CellTask, Row, fly_cell
+from sim.study.table import StudyTable
+
+MANY_CELLS = 10_000
+"""Cells from which on a study is flown only if that is confirmed."""
+
+TRIAL_CELLS = 6
+"""Flown to estimate how long a study takes."""
+
+
+class Progress(Published):
+    """How far a study has come, and how fast it comes forward."""
+
+    done: int = Field(description="Cells that have a row")
+    total: int = Field(description="Cells of the study")
+    wall_time: float = Field(0.0, description="Since it was last begun, to its end [s]")
+    cells_per_second: float | None = Field(None, description="Since it was last begun; null until a cell has ended")
+    simulated_seconds_per_second: float | None = Field(None, description="Mission time flown a second of wall time")
+    time_left: float | None = Field(None, description="By that pace, wall time [s]")
+
+
+class Flight:
+    """Flies what a table misses. `progress` may be read from any thread."""
+
+    def __init__(self, table: StudyTable, cancelled: threading.Event | None = None) -> None:
+        self._cancelled = cancelled or threading.Event()
+        self._table = table
+        self._resumed = len(table)
+        self._began = time.perf_counter()
+        self._ended: float | None = None
+        self._simulated_time = 0.0
+
+    @property
+    def progress(self) -> Progress:
+        """Now."""
+        done, total = len(self._table), self._table.study.count
+        elapsed = max((self._ended or time.perf_counter()) - self._began, 1e-9)
+        rate = (done - self._resumed) / elapsed
+        return Progress(
+            done=done,
+            total=total,
+            wall_time=elapsed,
+            cells_per_second=rate or None,
+            simulated_seconds_per_second=self._simulated_time / elapsed if rate else None,
+            time_left=(total - done) / rate if rate else None,
+        )
+
+    def fly(self, open_executor: OpenExecutor, *, at_once: int, on_row: Callable[[Row], None] | None = None) -> None:
+        """Fly the cells without a row; returns when all have one, or soon after `cancelled` was set.
+
+        Args:
+            open_executor: see `OpenExecutor`.
+            at_once: cells with the executor at a time.
+            on_row: called in this thread with every row, after it was kept.
+
+        Raises:
+            TableUnusable: a row cannot be kept.
+            WorkersUnavailable: the executor cannot start a worker.
+
+        """
+        self._began = time.perf_counter()
+
+        def keep(row: Row) -> None:
+            self._table.add(row)
+            self._simulated_time += row["duration"] or 0.0
+            if on_row is not None:
+                on_row(row)
+
+        try:
+            fly_cells(self._tasks(), keep, open_executor, at_once=at_once)
+        finally:
+            self._ended = time.perf_counter()
+
+    def _tasks(self) -> Iterator[CellTask]:
+        study = self._table.study
+        for index in self._table.missing():
+            if self._cancelled.is_set():
+                return
+            yield CellTask(study.base, study.direct, study.cell(index))
+
+
+def cell_time(study: Study, executor: Executor) -> float:
+    """How long a cell takes one worker [s]: the mean of some, spread over the study, flown and forgotten."""
+    places = np.unique(np.linspace(0, study.count - 1, TRIAL_CELLS).astype(np.int64))
+    tasks = [CellTask(study.base, study.direct, study.cell(int(place))) for place in places]
+    executor.submit(fly_cell, tasks[0]).result()  # the worker starts, and loads what is compiled
+    before = time.perf_counter()
+    for task in tasks:
+        executor.submit(fly_cell, task).result()
+    return (time.perf_counter() - before) / len(tasks)
+
+
+def in_words(duration: float) -> str:
+    """A duration [s] as a person says it."""
+    minutes, seconds = divmod(round(duration), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes:02d} min"
+    return f"{minutes} min {seconds:02d} s" if minutes else f"{seconds} s"
