@@ -17,7 +17,8 @@ from typing import Any, Literal
 from pydantic import Field, JsonValue, ValidationError
 
 from server.problems import StudyNotFound
-from server.runs import new_run_id, wall_clock
+from server.run_folder import wall_clock
+from server.runs import new_run_id
 from server.versions import versions
 from sim.capture.snapshot import Published
 from sim.study.design import Study, study_of

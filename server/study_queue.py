@@ -12,7 +12,7 @@ from concurrent.futures import Executor
 from typing import NamedTuple
 
 from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
-from server.runs import wall_clock
+from server.run_folder import wall_clock
 from server.studies import StudyRecord, StudyStatus, StudyStore
 from sim.errors import CaptureError
 from sim.study.design import Study

@@ -152,7 +152,7 @@ def start_runs(
         records = [_queued(each, key, digest) for each in requests]
         services.scripted.queue(records)
         found = [record.id for record in records]
-    queued = [_run(services.store.read(run_id)) for run_id in found]
+    queued = [run_of(services.store.read(run_id)) for run_id in found]
     if isinstance(body, list):
         return queued
     response.headers["Location"] = f"/api/v1/runs/{queued[0].id}"
@@ -213,7 +213,7 @@ def _fits(reader: RunReader, wanted: RunFilter) -> bool:
 @router.get("/{run_id}", responses=responses(404))
 def run(services: ServicesDep, run_id: RunId, response: Response, if_none_match: IfNoneMatch = None) -> Run:
     """One run."""
-    return _tagged(_run(services.store.read(run_id)), response, if_none_match)
+    return _tagged(run_of(services.store.read(run_id)), response, if_none_match)
 
 
 @router.patch("/{run_id}", responses=responses(404, 412))
@@ -226,12 +226,12 @@ def remark(
 ) -> Run:
     """Star a run, or put these notes in place of its own; with `If-Match`, only if nobody has changed it since."""
     reader = services.store.read(run_id)
-    if if_match is not None and if_match != _etag(_run(reader)):
+    if if_match is not None and if_match != _etag(run_of(reader)):
         raise HTTPException(412, f"run {run_id} has changed since; read it again")
     present = reader.remarks
     starred = present.starred if body.starred is None else body.starred
     services.store.remark(run_id, Remarks(starred=starred, notes=present.notes if body.notes is None else body.notes))
-    return _tagged(_run(services.store.read(run_id)), response, None)
+    return _tagged(run_of(services.store.read(run_id)), response, None)
 
 
 @router.post("/{run_id}/cancel", status_code=202, responses=responses(404, 409))
@@ -241,7 +241,7 @@ def cancel_run(services: ServicesDep, run_id: RunId) -> Run:
     if services.store.record(run_id).ended:
         raise MissionRefused(f"run {run_id} has ended already", tip="DELETE removes it")
     services.scripted.cancel(run_id)
-    return _run(services.store.read(run_id))
+    return run_of(services.store.read(run_id))
 
 
 @router.delete("/{run_id}", status_code=204, responses=responses(404, 409))
@@ -337,7 +337,8 @@ def _summary(reader: RunReader) -> RunSummary:
     return RunSummary(**_fields(reader))
 
 
-def _run(reader: RunReader) -> Run:
+def run_of(reader: RunReader) -> Run:
+    """The run as it is shown."""
     return Run(**_fields(reader), config=reader.record.config)
 
 

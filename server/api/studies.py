@@ -17,6 +17,7 @@ from server.api.problem_json import responses
 from server.api.runs import Run, run_of
 from server.api.services import Services, ServicesDep
 from server.live_mission import display_name
+from server.problems import StudyNotFound
 from server.runs import new_record
 from server.studies import StudyRecord, StudyStatus
 from sim.config import PARAMETERS
@@ -253,6 +254,8 @@ def results(
 def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, response: Response) -> Run:
     """Fly one cell again, recording every tick, as a run of the library; it ends bit for bit as its row says."""
     of = services.studies.record(study_id).study
+    if index >= of.count:
+        raise StudyNotFound(f"study {study_id} has {of.count} cells, numbered from 0; there is none at {index}")
     config = configured(of.base, of.cell(index))
     name = display_name(of.configuration, config)
     record = new_record("study", name, config, direct=of.direct, status="queued", parent=study_id)

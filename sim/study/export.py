@@ -17,7 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet
 
 from sim.study.run import Column, Row
-from sim.study.table import StudyTable
+from sim.study.table import StudyRows
 
 _BATCH = 10_000  # rows in memory at a time
 _ARROW_TYPES = {float: pa.float64(), int: pa.int64(), bool: pa.bool_(), str: pa.string()}
@@ -31,7 +31,7 @@ class TableFormat(StrEnum):
     JSON = "json"
 
 
-def export(table: StudyTable, path: Path, table_format: TableFormat) -> None:
+def export(table: StudyRows, path: Path, table_format: TableFormat) -> None:
     """Write the table; the file appears when it is whole, in place of one that was there.
 
     Args:
@@ -47,7 +47,7 @@ def export(table: StudyTable, path: Path, table_format: TableFormat) -> None:
     draft.replace(path)
 
 
-def _write_csv(table: StudyTable, path: Path) -> None:
+def _write_csv(table: StudyRows, path: Path) -> None:
     names = [column.name for column in table.columns]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, names, lineterminator="\n")
@@ -60,7 +60,7 @@ def _with_words(row: Row) -> dict[str, Any]:
     return {name: str(value).lower() if isinstance(value, bool) else value for name, value in row.items()}
 
 
-def _write_json(table: StudyTable, path: Path) -> None:
+def _write_json(table: StudyRows, path: Path) -> None:
     with path.open("w", encoding="utf-8") as file:
         file.write("[")
         for place, row in enumerate(table.rows()):
@@ -68,14 +68,14 @@ def _write_json(table: StudyTable, path: Path) -> None:
         file.write("\n]\n")
 
 
-def _write_parquet(table: StudyTable, path: Path) -> None:
+def _write_parquet(table: StudyRows, path: Path) -> None:
     schema = _schema(table)
     with pyarrow.parquet.ParquetWriter(path, schema, compression="zstd") as writer:
         for rows in _batches(table.rows()):
             writer.write_batch(pa.RecordBatch.from_pylist(rows, schema=schema))
 
 
-def _schema(table: StudyTable) -> pa.Schema:
+def _schema(table: StudyRows) -> pa.Schema:
     metadata = {"study": json.dumps(table.study.definition()), "config": table.study.base.model_dump_json()}
     return pa.schema(map(_field, table.columns), metadata)
 

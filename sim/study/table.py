@@ -78,7 +78,7 @@ class StudyRows:
                 yield from connection.execute(query, (after, limit))
 
 
-class StudyTable:
+class StudyTable(StudyRows):
     """The rows of one study, kept as they come; as a context manager it is closed at the end."""
 
     def __init__(self, path: Path, study: Study) -> None:
@@ -88,9 +88,7 @@ class StudyTable:
             TableUnusable: another process has it open, it holds something else, or it cannot be written.
 
         """
-        self.path = path
-        self.study = study
-        self.columns = columns(study)
+        super().__init__(path, study)
         self._claim = self._claimed()
         with ExitStack() as undo:
             undo.callback(self._claim.release, remove=True)
@@ -137,10 +135,6 @@ class StudyTable:
                 f"INSERT OR IGNORE INTO cells ({names}) VALUES ({marks})", [row[column.name] for column in self.columns]
             )
         self._cells.add(row["cell"])
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """All rows, ordered by cell."""
-        return StudyRows(self.path, self.study).rows()
 
     def _claimed(self) -> Claim:
         """Two processes on one file would fly every cell twice."""

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from becalm import studying
 from becalm.cli import main
 from sim.capture.snapshot import OutcomeClass
+from sim.study import flight
 from sim.study.published import PUBLISHED_STUDY
 
 MASS, SPIN = "control.impedance.mass", "target.initial_spin"
@@ -52,9 +53,9 @@ def in_this_process(monkeypatch):
 
     def fly(tasks, keep, open_executor, *, at_once):
         for task in tasks:
-            keep(studying.fly_cell(task))
+            keep(flight.fly_cell(task))
 
-    monkeypatch.setattr(studying, "fly_cells", fly)
+    monkeypatch.setattr(flight, "fly_cells", fly)
 
 
 def test_table_and_report(small, tmp_path):
