@@ -101,9 +101,9 @@ def test_format_and_changes(small, tmp_path, in_this_process):
 
 
 def test_agreement_is_told_of_the_published_study(tmp_path, in_this_process, monkeypatch):
-    fly_cell = studying.fly_cell
-    flown = fly_cell(studying.CellTask(PUBLISHED_STUDY.base, False, PUBLISHED_STUDY.cell(0)))
-    monkeypatch.setattr(studying, "fly_cell", lambda task: {**flown, "cell": task.cell.index, **task.cell.values})
+    fly_cell = flight.fly_cell
+    flown = fly_cell(flight.CellTask(PUBLISHED_STUDY.base, False, PUBLISHED_STUDY.cell(0)))
+    monkeypatch.setattr(flight, "fly_cell", lambda task: {**flown, "cell": task.cell.index, **task.cell.values})
     out = tmp_path / "published.csv"
     document = json.loads(_invoke("published", "--out", out, "--json").stdout)
     assert [(table["mass"], table["cells"]) for table in document["agreement"]] == [(0.01, 121), (0.1, 121)]
