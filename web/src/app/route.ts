@@ -1,0 +1,35 @@
+/** Which page is shown: the part of the address behind `#`, so that it works under any path and a page can be kept. */
+import { useSyncExternalStore } from "react";
+
+export const PAGES = ["mission", "runs", "studies"] as const;
+export type Page = (typeof PAGES)[number];
+
+export interface Route {
+  readonly page: Page;
+  /** What the page shows of its kind: the identifier of a run or study; empty for none. */
+  readonly item: string;
+}
+
+/** `#/studies/20261125T103000123-4f9a2c` and the like; anything unknown is the mission. */
+export function routeOf(hash: string): Route {
+  const [name = "", item = ""] = hash.replace(/^#\/?/, "").split("/");
+  const page = PAGES.find((known) => known === name) ?? "mission";
+  return { page, item: decodeURIComponent(item) };
+}
+
+export const hashOf = ({ page, item }: Route): string => `#/${page}${item === "" ? "" : `/${encodeURIComponent(item)}`}`;
+
+export function go(page: Page, item = ""): void {
+  location.hash = hashOf({ page, item });
+}
+
+function subscribe(listener: () => void): () => void {
+  window.addEventListener("hashchange", listener);
+  return () => {
+    window.removeEventListener("hashchange", listener);
+  };
+}
+
+export function useRoute(): Route {
+  return routeOf(useSyncExternalStore(subscribe, () => location.hash));
+}
