@@ -11,6 +11,7 @@ from sim.capture.snapshot import Outcome, Touch
 from sim.config import PARAMETERS, MissionConfig
 from sim.errors import CaptureError
 from sim.study.design import Cell, Study, configured
+from sim.study.watch import Watch
 
 Row = Mapping[str, Any]
 """Column name to value; None where there is none."""
@@ -40,6 +41,13 @@ MEASURES = (
     Column("hardest_touch_arm", str, "1", "Arm of the touch with the largest force"),
     Column("hardest_touch_start", float, "s", "When that touch began"),
     Column("hardest_touch_peak", float, "N", "Largest hand resultant of that touch"),
+    Column("peak_at", float, "s", "When the largest hand resultant of all came; none if no tip touched"),
+    Column("peak_stage", str, "1", "What it fell into: a touch, the closing up to the first closed instant, or after"),
+    Column("first_touch_end", float, "s", "Last contact of the first touch"),
+    Column("first_touch_peak", float, "N", "Largest hand resultant of the first touch"),
+    Column("spin_after_first_touch", float, "rad/s", "Target's angular velocity when the first touch ends"),
+    Column("drift_after_first_touch", float, "m/s", "Speed of the target's centre when the first touch ends"),
+    Column("base_turn", float, "rad", "The base's angle where it is largest, with its sign"),
     Column("final_target_spin", float, "rad/s", "Target's angular velocity at the verdict"),
     Column("min_manipulability", float, "m2", "Smallest of both arms over the sequence"),
     Column("momentum_error", float, "N s, N m s", "Largest change of total momentum: linear plus angular"),
@@ -76,12 +84,14 @@ class CellTask:
 def fly_cell(task: CellTask) -> Row:
     """Fly a cell to its verdict; a row with `error` if it cannot be flown."""
     try:
-        outcome = run_capture(configured(task.base, task.cell), direct=task.direct).outcome
+        watch = Watch()
+        outcome = run_capture(configured(task.base, task.cell), direct=task.direct, on_ticks=watch.see).outcome
+        measured = {**_measures(outcome), **watch.measures(outcome)}
     except CaptureError as error:
         return failed_row(task.cell, str(error))
     except Exception as error:  # one cell that fails, however it does, must not take the others along
         return failed_row(task.cell, f"{type(error).__name__}: {error}")
-    return {**_identity(task.cell), **_measures(outcome), "error": None}
+    return {**_identity(task.cell), **{column.name: measured[column.name] for column in MEASURES}, "error": None}
 
 
 def failed_row(cell: Cell, error: str) -> Row:

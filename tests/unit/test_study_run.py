@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import pickle
 
+import numpy as np
 import pytest
 
 from sim.capture.run import RunResult
 from sim.capture.snapshot import Outcome, OutcomeClass, Touch
+from sim.capture.tick import TICK
+from sim.control.phases import Activity
 from sim.errors import PlantDiverged
 from sim.study import run
 from sim.study.design import study_of
@@ -36,6 +39,19 @@ OUTCOME = Outcome(
 )
 
 
+def ticks_of(outcome: Outcome) -> np.ndarray:
+    """Ten ticks a second: the target slows from 1 rad/s to 0.1 at 4.1 s, when it drifts; forces as the outcome has."""
+    ticks = np.zeros(83, TICK)
+    ticks["time"] = np.arange(83) / 10
+    ticks["target_twist"][:, 2] = 1.0
+    ticks["target_twist"][41:] = [0.03, -0.04, 0.1]
+    ticks["base_pose"][:, 2] = np.linspace(0.0, -0.5, 83)
+    ticks["activity"][44:] = Activity.CLOSING
+    for touch in outcome.contacts:
+        ticks["hand_wrench"][round(touch.start * 10) + 1, int(touch.arm == "right"), 0] = touch.peak
+    return ticks
+
+
 def task(index: int = 1) -> CellTask:
     return CellTask(STUDY.base, STUDY.direct, STUDY.cell(index))
 
@@ -45,8 +61,9 @@ def flown(monkeypatch):
     """What `run_capture` was asked for; it answers with the outcome above."""
     asked = []
 
-    def answer(config, *, direct):
+    def answer(config, *, direct, on_ticks):
         asked.append((config, direct))
+        on_ticks(ticks_of(OUTCOME))
         return RunResult(OUTCOME, ticks=8200, simulated_time=8.2, wall_time=0.1)
 
     monkeypatch.setattr(run, "run_capture", answer)
@@ -78,6 +95,28 @@ def test_without_a_touch_there_is_no_hardest(flown, monkeypatch):
     row = fly_cell(task())
     assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_peak"]) == (0, None, None)
     assert row["closed_at"] is None
+    assert (row["first_touch_end"], row["peak_at"], row["peak_stage"]) == (None, None, None)
+
+
+def test_row_tells_what_the_first_touch_left_and_when_the_peak_came(flown):
+    row = fly_cell(task())
+    assert (row["first_touch_end"], row["first_touch_peak"]) == (4.1, 0.9)
+    assert row["spin_after_first_touch"] == 0.1
+    assert row["drift_after_first_touch"] == pytest.approx(0.05)
+    assert (row["peak_at"], row["peak_stage"]) == (5.8, "after_closure")
+    assert row["base_turn"] == -0.5
+
+
+@pytest.mark.parametrize(("closed_at", "stage"), [(None, "closing"), (5.9, "closing"), (5.7, "after_closure")])
+def test_peak_is_after_closure_only_after_the_first_closed_instant(flown, monkeypatch, closed_at, stage):
+    monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"closed_at": closed_at}))
+    assert fly_cell(task())["peak_stage"] == stage
+
+
+def test_a_peak_before_the_hands_close_is_a_touch(flown, monkeypatch):
+    monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"contacts": OUTCOME.contacts[:1]}))
+    row = fly_cell(task())
+    assert (row["peak_at"], row["peak_stage"]) == (3.5, "touch")
 
 
 @pytest.mark.parametrize(
@@ -85,7 +124,7 @@ def test_without_a_touch_there_is_no_hardest(flown, monkeypatch):
     [(PlantDiverged("not finite after 3 s"), "not finite after 3 s"), (ValueError("odd"), "ValueError: odd")],
 )
 def test_a_cell_that_fails_is_a_row_that_says_why(monkeypatch, error, words):
-    def fail(config, *, direct):
+    def fail(config, *, direct, on_ticks):
         raise error
 
     monkeypatch.setattr(run, "run_capture", fail)
