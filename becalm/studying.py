@@ -132,7 +132,7 @@ def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Repor
 def _fly_missing(table: StudyTable, workers: int) -> Progress:
     """Fly the cells without a row."""
     flight = Flight(table)
-    show = _progress()
+    show = show_progress()
     try:
         flight.fly(lambda: LocalProcesses(workers), at_once=2 * workers, on_row=lambda _: show(flight.progress))
     except KeyboardInterrupt:
@@ -158,7 +158,7 @@ def _ask(study: Study, cells: int, workers: int) -> None:
         raise click.ClickException("nothing was started")
 
 
-def _progress() -> Callable[[Progress], None]:
+def show_progress() -> Callable[[Progress], None]:
     """What shows how many cells there are, and the time that is left."""
     rewrites = sys.stderr.isatty()
     step = 0.2 if rewrites else PROGRESS_STEP

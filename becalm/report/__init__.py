@@ -1,0 +1,1 @@
+"""The report of `becalm reproduce`: figures, tables and one page that needs nothing else."""

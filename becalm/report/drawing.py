@@ -1,0 +1,101 @@
+"""Planar drawings of robot and target at one tick, and rows of them as a sequence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+
+from becalm.report.style import BASE, GREY, INK, LEFT, PALE, RIGHT, figure
+from sim.capture.events import Ticks
+from sim.compiled import FloatArray
+from sim.config import MissionConfig
+from sim.model.clearance import geometric_base_pose, hand_outline
+from sim.model.planar import rotated
+from sim.model.robot import JOINTS, chain, robot_model
+
+_FRAME = (-0.43, 0.43, -0.19, 0.57)  # of a drawing [m]: x from, to, y from, to
+_FORCE_SCALE = 0.09  # [m/N]
+_LONGEST_ARROW = 0.25  # [m]: that of 2.8 N; harder blows are not drawn longer
+_ARM_COLOURS = (LEFT, RIGHT)
+
+
+class Frame(NamedTuple):
+    """An instant to be drawn."""
+
+    time: float
+    """[s]"""
+    caption: str
+
+
+def sequence(config: MissionConfig, ticks: Ticks, frames: Sequence[Frame], columns: int) -> Figure:
+    """Drawings at these instants, in rows of so many; the target's path up to each is drawn faintly."""
+    rows = math.ceil(len(frames) / columns)
+    drawn = figure(1.75 * columns, 1.92 * rows)
+    grid = drawn.subplots(rows, columns, squeeze=False)
+    for axes, frame in zip(grid.flat, frames, strict=False):
+        place = int(np.clip(np.searchsorted(ticks["time"], frame.time), 0, len(ticks) - 1))
+        draw(axes, config, ticks[place], ticks["target_pose"][: place + 1])
+        axes.set_title(f"{ticks['time'][place]:.2f} s", fontsize=7.5, pad=2)
+        axes.set_xlabel(frame.caption, fontsize=6.6, color=GREY, labelpad=2)
+    for axes in grid.flat[len(frames) :]:
+        axes.set_visible(False)
+    return drawn
+
+
+def draw(axes: Axes, config: MissionConfig, tick: Any, path: FloatArray | None = None) -> None:
+    """Robot and target at one tick, world axes; arrows are the forces of the tips on the target."""
+    x0, x1, y0, y1 = _FRAME
+    axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal", xticks=[], yticks=[])
+    for spine in axes.spines.values():
+        spine.set(visible=True, color=PALE)
+    if path is not None and len(path) > 1:
+        axes.plot(path[::20, 0], path[::20, 1], color=PALE, linewidth=0.8, zorder=1)
+    base = geometric_base_pose(config, tick["base_pose"])
+    _rectangle(axes, base, config.robot.base.width / 2, config.robot.base.depth / 2, BASE, alpha=0.28)
+    side = config.target.side / 2
+    _rectangle(axes, tick["target_pose"], side, side, INK, alpha=0.16)
+    dx, dy = rotated(float(tick["target_pose"][2]), side, 0.0)
+    x, y = tick["target_pose"][:2]
+    axes.plot([x, x + dx], [y, y + dy], color=INK, linewidth=0.8, zorder=4)
+    _arms(axes, config, tick)
+
+
+def _rectangle(axes: Axes, pose: FloatArray, half_x: float, half_y: float, colour: str, alpha: float) -> None:
+    corners = [(half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)]
+    points = np.array([rotated(float(pose[2]), *corner) for corner in corners]) + np.asarray(pose[:2])
+    axes.add_patch(Polygon(points, facecolor=colour, alpha=alpha, linewidth=0, zorder=2))
+    axes.add_patch(Polygon(points, fill=False, edgecolor=colour, linewidth=0.9, zorder=3))
+
+
+def _arms(axes: Axes, config: MissionConfig, tick: Any) -> None:
+    links = chain(robot_model(config.robot), tick["base_pose"], tick["joint_angle"], tick["mount_angle"])
+    hand = config.robot.arm.hand
+    outline = hand_outline(config.robot.arm)
+    for arm, colour in enumerate(_ARM_COLOURS):
+        joints = links.joint[arm, : JOINTS + 1]
+        pose = links.hand_pose[arm]
+        mounted = np.array([rotated(pose[2], *point) for point in outline]) + pose[:2]
+        for points, width in ((joints, 2.4), (mounted, 1.9)):
+            axes.plot(*points.T, color=colour, linewidth=width, alpha=0.75, solid_joinstyle="round", zorder=5)
+        axes.plot(*joints[:JOINTS].T, "o", color="white", markeredgecolor=colour, markersize=2.6, zorder=6)
+        for tip in mounted[[0, 3]]:
+            axes.add_patch(Circle(tuple(tip), hand.tip_radius, facecolor=colour, edgecolor="white", lw=0.4, zorder=6))
+        _force(axes, tick, arm, mounted[[0, 3]])
+
+
+def _force(axes: Axes, tick: Any, arm: int, tips: FloatArray) -> None:
+    """The push of each touching tip on the target."""
+    for tip in range(2):
+        push = -np.asarray(tick["tip_force"][arm, tip])
+        if np.hypot(*push) < 1e-3:
+            continue
+        tail = tips[tip]
+        head = tail + push * min(_FORCE_SCALE, _LONGEST_ARROW / float(np.hypot(*push)))
+        arrow = {"arrowstyle": "-|>", "color": INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
+        axes.annotate("", head, tail, arrowprops=arrow, zorder=8, annotation_clip=False)

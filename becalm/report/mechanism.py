@@ -1,0 +1,181 @@
+"""Why the band has the bounds it has: figures of the first touch as a collision, and of the ablations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, annotate_level, figure
+from sim.capture.snapshot import OutcomeClass
+from sim.config import MissionConfig
+from sim.study.first_touch import TouchState, effective_mass, lever_of, restitution
+from sim.study.foretelling import Foretold, quality
+from sim.study.published import DAMPING, MASS, STIFFNESS
+
+_SHAPES = {0.01: "o", 0.05: "s", 0.1: "^", 0.5: "D"}
+
+
+def _colour(cell: Foretold) -> str:
+    return MARKS[OutcomeClass(cell.row["at_first_closure"])].colour
+
+
+def _outcomes(cells: Sequence[Foretold]) -> list[Line2D]:
+    """Legend entries of the classes among the cells."""
+    present = {cell.row["at_first_closure"] for cell in cells}
+    return [
+        Line2D([], [], linestyle="", marker="o", markersize=4, color=mark.colour, label=mark.words)
+        for outcome, mark in MARKS.items()
+        if outcome.value in present
+    ]
+
+
+def residual_spin(config: MissionConfig, cells: Sequence[Foretold]) -> Figure:
+    """Spin after the first touch over damping, for some stiffnesses: flights as points, the planar model as lines."""
+    masses = sorted({cell.row[MASS] for cell in cells})
+    stiffnesses = sorted({cell.row[STIFFNESS] for cell in cells})
+    chosen = [
+        stiffnesses[place]
+        for place in sorted({0, len(stiffnesses) // 10 or 1, len(stiffnesses) // 2, -1 % len(stiffnesses)})
+    ]
+    drawn = figure(7.4, 2.5)
+    grid = drawn.subplots(1, len(masses), sharey=True, squeeze=False)
+    for axes, mass in zip(grid[0], masses, strict=True):
+        caging = config.control.caging
+        axes.axhspan(caging.slow_spin, caging.spin_threshold, color="#FBE9E0", linewidth=0, zorder=0)
+        for stiffness in chosen:
+            own = [cell for cell in cells if (cell.row[MASS], cell.row[STIFFNESS]) == (mass, stiffness)]
+            damping = [cell.row[DAMPING] for cell in own]
+            axes.plot(damping, [cell.planar.spin for cell in own], color=GREY, linewidth=0.8, zorder=2)
+            axes.text(
+                damping[-1] + 0.25, own[-1].measured.spin, f"{stiffness:g}", fontsize=5.8, color=GREY, va="center"
+            )
+            axes.scatter(
+                damping,
+                [cell.measured.spin for cell in own],
+                c=list(map(_colour, own)),
+                s=14,
+                edgecolors="white",
+                linewidths=0.3,
+                zorder=3,
+            )
+        axes.set(title=f"m = {mass:g} kg", xlabel="d, N s/m", xlim=(-0.6, None))
+    annotate_level(grid[0, 0], config.control.caging.slow_spin, "slow spin")
+    annotate_level(grid[0, 0], config.control.caging.spin_threshold, "threshold")
+    grid[0, 0].set_ylabel("spin after first touch, rad/s")
+    entries = [*_outcomes(cells), Line2D([], [], color=GREY, label="planar collision model (numbers: k, N/m)")]
+    drawn.legend(handles=entries, loc="outside lower center", ncols=4)
+    return drawn
+
+
+def spin_and_drift(config: MissionConfig, cells: Sequence[Foretold], bound: float) -> Figure:
+    """Every cell by what its first touch left: in flight to the left, by the planar model to the right."""
+    drawn = figure(7.4, 3.2)
+    row = drawn.subplots(1, 2, sharex=True, sharey=True)
+    caging = config.control.caging
+    for axes, name in zip(row, ("measured", "planar"), strict=True):
+        axes.axhspan(caging.slow_spin, caging.spin_threshold, color="#FBE9E0", linewidth=0, zorder=0)
+        axes.axvspan(1e3 * bound, 60.0, color="#FBE9E0", linewidth=0, zorder=0)
+        for mass, shape in _SHAPES.items():
+            own = [cell for cell in cells if cell.row[MASS] == mass]
+            left = [getattr(cell, name) for cell in own]
+            axes.scatter(
+                [1e3 * one.drift for one in left],
+                [one.spin for one in left],
+                c=list(map(_colour, own)),
+                marker=shape,
+                s=13,
+                edgecolors="white",
+                linewidths=0.3,
+            )
+        axes.set_xlabel("drift after first touch, mm/s")
+    row[0].set(title="in flight", ylabel="spin after first touch, rad/s", xlim=(0.0, 60.0))
+    row[1].set_title("by the collision alone")
+    shapes = [
+        Line2D([], [], linestyle="", marker=shape, color=GREY, markersize=4, label=f"{mass:g} kg")
+        for mass, shape in _SHAPES.items()
+    ]
+    drawn.legend(handles=[*_outcomes(cells), *shapes], loc="outside lower center", ncols=5)
+    return drawn
+
+
+class Numbers(NamedTuple):
+    """Of the first touch, the same in all cells."""
+
+    effective_mass: float
+    """[kg]"""
+    approach_speed: float
+    """Of the touched point along the face's normal [m/s]."""
+    target_mass: float
+    """[kg]"""
+    drift_bound: float
+    """[m/s]"""
+
+
+def numbers_of(cells: Sequence[Foretold], touch: TouchState, config: MissionConfig) -> Numbers:
+    """What the figures need of the first touch."""
+    lever, target = lever_of(touch, config), config.target
+    return Numbers(
+        effective_mass(target.mass, target.inertia, lever),
+        lever * abs(float(touch.target_twist[2])),
+        target.mass,
+        quality(config, cells).drift_bound,
+    )
+
+
+def rebound(cells: Sequence[Foretold], numbers: Numbers) -> Figure:
+    """Coefficient of restitution over damping ratio: the linear dashpot's curve, flights as points."""
+    drawn = figure(4.6, 2.9)
+    axes = drawn.subplots()
+    blow = numbers.effective_mass * numbers.approach_speed
+    ratios = np.geomspace(0.03, 4.0, 200)
+    axes.plot(ratios, [restitution(ratio) for ratio in ratios], color=INK, linewidth=1.2)
+    for mass, shape in _SHAPES.items():
+        own = [cell for cell in cells if cell.row[MASS] == mass and 0.0 < cell.ratio < 4.0]
+        measured = [numbers.target_mass * cell.measured.drift / blow - 1.0 for cell in own]
+        axes.scatter(
+            [cell.ratio for cell in own],
+            measured,
+            c=list(map(_colour, own)),
+            marker=shape,
+            s=12,
+            edgecolors="white",
+            linewidths=0.3,
+        )
+    axes.axhline(0.0, color=PALE, linewidth=0.8, zorder=0)
+    axes.set(xscale="log", xlabel="damping ratio d / (2 √(k (m_eff + m)))", ylabel="restitution")
+    axes.set_xticks([0.05, 0.1, 0.2, 0.5, 1, 2, 4], ["0.05", "0.1", "0.2", "0.5", "1", "2", "4"])
+    axes.minorticks_off()
+    shapes = [
+        Line2D([], [], linestyle="", marker=shape, color=GREY, markersize=4, label=f"{mass:g} kg")
+        for mass, shape in _SHAPES.items()
+    ]
+    axes.legend(handles=[Line2D([], [], color=INK, label="linear dashpot, one lever"), *shapes], loc="upper right")
+    return drawn
+
+
+def ablations(names: Sequence[str], kappas: Sequence[float], printed: Sequence[bool], reference: float) -> Figure:
+    """Kappa with the published tables, one change at a time."""
+    drawn = figure(6.0, 0.45 + 0.24 * len(names))
+    axes = drawn.subplots()
+    places = np.arange(len(names))[::-1]
+    colours = [LEFT if one else GREY for one in printed]
+    axes.barh(places, kappas, color=colours, height=0.62)
+    axes.set_yticks(places, names)
+    for place, kappa in zip(places, kappas, strict=True):
+        axes.text(max(kappa, 0.0) + 0.01, place, f"{kappa:.2f}", va="center", fontsize=7)
+    axes.axvline(reference, color=INK, linewidth=0.8, linestyle=":")
+    axes.set(
+        xlim=(min(0.0, *kappas), 1.05), xlabel="kappa over success and failure, m = 0.01 and 0.1 kg (dotted: published)"
+    )
+    axes.tick_params(axis="y", length=0)
+    _plain(axes)
+    return drawn
+
+
+def _plain(axes: Axes) -> None:
+    axes.spines["left"].set_visible(False)
