@@ -293,7 +293,7 @@ def study(
     show_default=True,
     help="Fly only every so manieth damping and stiffness: 484 cells at 1, 36 at 5.",
 )
-@click.option("--ablations", "ablate", is_flag=True, help="Also fly one constant changed at a time (ten half studies).")
+@click.option("--ablations", "ablate", is_flag=True, help="Also fly one constant changed at a time (13 half studies).")
 @click.option("--json", "as_json", is_flag=True, help="Print every number as one JSON document.")
 def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_json: bool) -> None:
     """Fly the paper's captures and its parametric study, and write a report with figures and tables.

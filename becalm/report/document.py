@@ -18,7 +18,7 @@ from sim.capture.snapshot import OutcomeClass
 from sim.configurations import named_configuration
 from sim.control.phases import Activity
 from sim.study.findings import Reproduction, authors_run
-from sim.study.reproduction import Example, Flown, impedance_of
+from sim.study.reproduction import Example, Flown, Origin, impedance_of
 
 _APART = 0.12  # two instants of a sequence closer than this are one [s]
 _FRAMES = 8
@@ -79,7 +79,7 @@ def ablation_figure(found: list[Mapping[str, Any]], reference: float) -> Picture
             mechanism.ablations(
                 [one["words"] for one in found],
                 [one["success_kappa"] for one in found],
-                [one["printed"] for one in found],
+                [Origin(one["origin"]) for one in found],
                 reference,
             )
         )

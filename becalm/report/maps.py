@@ -120,13 +120,13 @@ def _classes(axes: Axes, classes: Mapping[Impedance, str], mass: float) -> None:
     for place in places:
         x, y = dampings.index(place.damping), stiffnesses.index(place.stiffness)
         squares.setdefault(classes[place], []).append(Rectangle((x - 0.5, y - 0.5), 1, 1))
-        sign = MARKS[OutcomeClass(classes[place])].sign
-        axes.text(x, y, sign, ha="center", va="center", fontsize=4.8, color=INK)
     for outcome, of_it in squares.items():
         mark = MARKS[OutcomeClass(outcome)]
         axes.add_collection(
             PatchCollection(of_it, facecolor=mark.colour, edgecolor="white", linewidth=0.5, hatch=mark.hatch or None)
         )
+        corners = np.array([square.get_xy() for square in of_it]) + 0.5
+        axes.plot(*corners.T, linestyle="", marker=f"$\\mathrm{{{mark.sign}}}$", markersize=3.4, color=INK, mew=0.0)
 
 
 def _square(axes: Axes, rows: Sequence[Row], place: Impedance, **look: object) -> None:

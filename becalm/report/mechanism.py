@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, annotate_level, figure
+from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
 from sim.capture.snapshot import OutcomeClass
 from sim.config import MissionConfig
 from sim.study.first_touch import TouchState, effective_mass, lever_of, restitution
 from sim.study.foretelling import Foretold, quality
 from sim.study.published import DAMPING, MASS, STIFFNESS
+from sim.study.reproduction import Origin
 
+_ORIGINS = {Origin.PRINTED: LEFT, Origin.UNSTATED: RIGHT, Origin.PLANT: GREY}
+_LINES: tuple[Literal[":", "-.", "--", "-"], ...] = (":", "-.", "--", "-")
 _SHAPES = {0.01: "o", 0.05: "s", 0.1: "^", 0.5: "D"}
 
 
@@ -38,37 +41,26 @@ def residual_spin(config: MissionConfig, cells: Sequence[Foretold]) -> Figure:
     """Spin after the first touch over damping, for some stiffnesses: flights as points, the planar model as lines."""
     masses = sorted({cell.row[MASS] for cell in cells})
     stiffnesses = sorted({cell.row[STIFFNESS] for cell in cells})
-    chosen = [
-        stiffnesses[place]
-        for place in sorted({0, len(stiffnesses) // 10 or 1, len(stiffnesses) // 2, -1 % len(stiffnesses)})
-    ]
-    drawn = figure(7.4, 2.5)
+    last = len(stiffnesses) - 1
+    chosen = [stiffnesses[place] for place in sorted({0, min(1, last), last // 2, last})]
+    drawn = figure(7.4, 2.6)
     grid = drawn.subplots(1, len(masses), sharey=True, squeeze=False)
+    caging = config.control.caging
     for axes, mass in zip(grid[0], masses, strict=True):
-        caging = config.control.caging
         axes.axhspan(caging.slow_spin, caging.spin_threshold, color="#FBE9E0", linewidth=0, zorder=0)
-        for stiffness in chosen:
+        for stiffness, line in zip(chosen, _LINES[-len(chosen) :], strict=True):
             own = [cell for cell in cells if (cell.row[MASS], cell.row[STIFFNESS]) == (mass, stiffness)]
             damping = [cell.row[DAMPING] for cell in own]
-            axes.plot(damping, [cell.planar.spin for cell in own], color=GREY, linewidth=0.8, zorder=2)
-            axes.text(
-                damping[-1] + 0.25, own[-1].measured.spin, f"{stiffness:g}", fontsize=5.8, color=GREY, va="center"
-            )
-            axes.scatter(
-                damping,
-                [cell.measured.spin for cell in own],
-                c=list(map(_colour, own)),
-                s=14,
-                edgecolors="white",
-                linewidths=0.3,
-                zorder=3,
-            )
+            axes.plot(damping, [cell.planar.spin for cell in own], color=GREY, linestyle=line, linewidth=0.9, zorder=2)
+            flown = [cell.measured.spin for cell in own]
+            axes.scatter(damping, flown, c=list(map(_colour, own)), s=15, edgecolors="white", linewidths=0.3, zorder=3)
         axes.set(title=f"m = {mass:g} kg", xlabel="d, N s/m", xlim=(-0.6, None))
-    annotate_level(grid[0, 0], config.control.caging.slow_spin, "slow spin")
-    annotate_level(grid[0, 0], config.control.caging.spin_threshold, "threshold")
     grid[0, 0].set_ylabel("spin after first touch, rad/s")
-    entries = [*_outcomes(cells), Line2D([], [], color=GREY, label="planar collision model (numbers: k, N/m)")]
-    drawn.legend(handles=entries, loc="outside lower center", ncols=4)
+    lines = [
+        Line2D([], [], color=GREY, linestyle=line, label=f"model, k = {stiffness:g} N/m")
+        for stiffness, line in zip(chosen, _LINES[-len(chosen) :], strict=True)
+    ]
+    drawn.legend(handles=[*_outcomes(cells), *lines], loc="outside lower center", ncols=4)
     return drawn
 
 
@@ -158,16 +150,16 @@ def rebound(cells: Sequence[Foretold], numbers: Numbers) -> Figure:
     return drawn
 
 
-def ablations(names: Sequence[str], kappas: Sequence[float], printed: Sequence[bool], reference: float) -> Figure:
+def ablations(names: Sequence[str], kappas: Sequence[float], origins: Sequence[Origin], reference: float) -> Figure:
     """Kappa with the published tables, one change at a time."""
     drawn = figure(6.0, 0.45 + 0.24 * len(names))
     axes = drawn.subplots()
     places = np.arange(len(names))[::-1]
-    colours = [LEFT if one else GREY for one in printed]
+    colours = [_ORIGINS[origin] for origin in origins]
     axes.barh(places, kappas, color=colours, height=0.62)
     axes.set_yticks(places, names)
     for place, kappa in zip(places, kappas, strict=True):
-        axes.text(max(kappa, 0.0) + 0.01, place, f"{kappa:.2f}", va="center", fontsize=7)
+        axes.text(max(kappa, 0.0) - 0.012, place, f"{kappa:.2f}", va="center", ha="right", color="white", fontsize=7)
     axes.axvline(reference, color=INK, linewidth=0.8, linestyle=":")
     axes.set(
         xlim=(min(0.0, *kappas), 1.05), xlabel="kappa over success and failure, m = 0.01 and 0.1 kg (dotted: published)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -46,7 +47,7 @@ def forces(runs: Mapping[str, Flown], bound: float) -> Figure:
             axes.text(flown.outcome.closed_at, axes.get_ylim()[1], " first closed", va="top", fontsize=6.5)
 
     top = max(flown.outcome.peak_tip_force for flown in runs.values())
-    return _panels(runs, "hand force, N", panel, (0.0, 1.1 * top))
+    return _panels(runs, "hand force, N", panel, (0.0, 1.1 * top), legend="upper left")
 
 
 def spins(runs: Mapping[str, Flown], authors: Mapping[str, FloatArray]) -> Figure:
@@ -62,7 +63,7 @@ def spins(runs: Mapping[str, Flown], authors: Mapping[str, FloatArray]) -> Figur
         annotate_level(axes, flown.config.control.caging.spin_threshold, "caging below" if flown.direct else "")
         axes.axhline(0.0, color=GREY, linewidth=0.4)
 
-    return _panels(runs, "angular velocity, rad/s", panel, None)
+    return _panels(runs, "angular velocity, rad/s", panel, None, legend="upper right")
 
 
 def attitude(runs: Mapping[str, Flown]) -> Figure:
@@ -132,7 +133,11 @@ def dead_touch(failure: Flown, success: Flown, names: Sequence[str]) -> Figure:
 
 
 def _panels(
-    runs: Mapping[str, Flown], label: str, panel: Callable[[Axes, Flown], None], limits: tuple[float, float] | None
+    runs: Mapping[str, Flown],
+    label: str,
+    panel: Callable[[Axes, Flown], None],
+    limits: tuple[float, float] | None,
+    legend: Literal["upper left", "upper right"],
 ) -> Figure:
     """One panel a run, on the same vertical axis, phases shaded."""
     drawn = figure(7.4, 2.25)
@@ -144,7 +149,7 @@ def _panels(
         panel(axes, flown)
         axes.set(title=name, xlabel="time, s", xlim=(0.0, float(flown.ticks["time"][-1])))
     row[0].set_ylabel(label)
-    row[-1].legend(loc="upper right")
+    row[-1].legend(loc=legend)
     return drawn
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -208,9 +209,10 @@ def _first_touch(found: Reproduction) -> dict[str, Any]:
     lever, spin = lever_of(touch, config), float(touch.target_twist[2])
     target, caging = config.target, config.control.caging
     effective = effective_mass(target.mass, target.inertia, lever)
+    begun = found.captures.representative.outcome.contacts[0].start
     dead = [cell for cell in found.cells if not cell.success and _is_dead(cell, config)]
     return {
-        "time": found.captures.representative.outcome.contacts[0].start,
+        "time": begun,
         "lever": lever,
         "effective_mass": effective,
         "approach_speed": lever * abs(spin),
@@ -223,6 +225,8 @@ def _first_touch(found: Reproduction) -> dict[str, Any]:
         "in_the_gap": sum(_is_dead(cell, config) for cell in found.cells),
         "dead_base_turn_deg": _spread([np.degrees(abs(cell.row["base_turn"])) for cell in dead]),
         "dead_duration": _spread([cell.row["duration"] for cell in dead]),
+        "longest_wait": math.pi / 2.0 / caging.slow_spin + caging.minimum_approach_time,
+        "touch_duration": _spread([cell.row["first_touch_end"] - begun for cell in found.cells]),
         "dead_single_touch": sum(cell.row["touches"] == 1 for cell in dead),
         **quality(config, found.cells).model_dump(),
     }
@@ -243,4 +247,4 @@ def _example(example: Example) -> dict[str, Any]:
 
 
 def _ablation(ablation: Ablation, rows: Sequence[Row]) -> dict[str, Any]:
-    return {"name": ablation.name, "words": ablation.words, "printed": ablation.printed, **overall(rows)}
+    return {"name": ablation.name, "words": ablation.words, "origin": ablation.origin.value, **overall(rows)}

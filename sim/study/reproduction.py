@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,27 +53,40 @@ def tables_study(configuration: str, every: int) -> Study:
     return study_of({"name": configuration, "configuration": configuration, "grid": grid})
 
 
+class Origin(StrEnum):
+    """Where an ablation's other value comes from."""
+
+    PRINTED = "printed"
+    """The paper prints it."""
+    UNSTATED = "unstated"
+    """The paper does not state the constant."""
+    PLANT = "plant"
+    """It is a choice of the simulation, the authors' or ours."""
+
+
 class Ablation(NamedTuple):
-    """One constant of `published` put back to what the paper prints, or to another choice that it leaves open."""
+    """One constant of `published` put to another value."""
 
     name: str
     words: str
     changes: Mapping[str, Any]
-    printed: bool
-    """Whether it is what the paper prints; else a choice that the paper does not state."""
+    origin: Origin
 
 
 ABLATIONS = (
-    Ablation("friction", "friction mu = 0.1", {"contact.friction": 0.1}, printed=True),
-    Ablation("position", "contact position alpha = 0.8", {"control.touch.contact_position": 0.8}, printed=True),
-    Ablation("hand_tilt", "hand tilt beta = 0.175 rad", {"control.touch.hand_tilt": 0.175}, printed=True),
-    Ablation("target_tilt", "target tilt gamma = 0.175 rad", {"control.touch.target_tilt": 0.175}, printed=True),
-    Ablation("link_2", "link 2 of 0.175 m", {"robot.arm.link_2.length": 0.175}, printed=True),
-    Ablation("link_1", "link 1 centre of mass at 0.229 m", {"robot.arm.link_1.centre_of_mass": 0.229}, printed=True),
-    Ablation("absorb_time", "absorbing for D = 0.2 s", {"control.touch.absorb_time": 0.2}, printed=False),
-    Ablation("slow_spin", "caging at once below 0.4 rad/s", {"control.caging.slow_spin": 0.4}, printed=False),
-    Ablation("corner", "radial contact at corners", {"contact.corner": "radial"}, printed=False),
-    Ablation("mount", "hand rigid on link 3", {"robot.servo.hand_mount": "rigid"}, printed=False),
+    Ablation("friction", "friction μ = 0.1", {"contact.friction": 0.1}, Origin.PRINTED),
+    Ablation("position", "contact position α = 0.8", {"control.touch.contact_position": 0.8}, Origin.PRINTED),
+    Ablation("hand_tilt", "hand tilt β = 0.175 rad", {"control.touch.hand_tilt": 0.175}, Origin.PRINTED),
+    Ablation("target_tilt", "target tilt γ = 0.175 rad", {"control.touch.target_tilt": 0.175}, Origin.PRINTED),
+    Ablation("link_2", "link 2 of 0.175 m", {"robot.arm.link_2.length": 0.175}, Origin.PRINTED),
+    Ablation("link_1", "link 1 centre of mass at 0.229 m", {"robot.arm.link_1.centre_of_mass": 0.229}, Origin.PRINTED),
+    Ablation("slow_spin", "caging at once below 0.4 rad/s", {"control.caging.slow_spin": 0.4}, Origin.UNSTATED),
+    Ablation("absorb_time", "absorbing for 0.2 s", {"control.touch.absorb_time": 0.2}, Origin.UNSTATED),
+    Ablation("corner", "radial contact at corners", {"contact.corner": "radial"}, Origin.PLANT),
+    Ablation("mount", "hand rigid on link 3", {"robot.servo.hand_mount": "rigid"}, Origin.PLANT),
+    Ablation("servo", "servo of 0.5 ms", {"robot.servo.time_constant": 5e-4}, Origin.PLANT),
+    Ablation("creep", "friction that creeps below 10 mm/s", {"contact.friction_speed": 0.01}, Origin.PLANT),
+    Ablation("time_step", "physics step of 0.5 ms", {"simulation.time_step": 5e-4}, Origin.PLANT),
 )
 
 

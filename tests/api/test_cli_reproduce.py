@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -106,6 +108,12 @@ def test_second_time_flies_nothing_and_writes_the_same(coarse):
     assert "to fly" not in again.stderr
     for path, before in pages.items():
         assert path.read_bytes() == before or path.name == "report.html"
+
+
+def test_nothing_else_loads_what_draws():
+    """A run and the service start without matplotlib."""
+    code = "import sys, becalm.cli, becalm.running, becalm.serving; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
 
 
 @pytest.mark.parametrize(
