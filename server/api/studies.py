@@ -150,7 +150,7 @@ class PublishedTables(BaseModel):
     """The tables of the paper's parametric study that are at hand."""
 
     source: str
-    paths: tuple[str, str, str] = Field(description="Parameters of mass, damping and stiffness")
+    paths: list[str] = Field(description="Parameters of mass, damping and stiffness, in this order")
     cells: list[PublishedCell]
 
 
@@ -180,7 +180,7 @@ def published_tables() -> PublishedTables:
     """The paper's own tables, cell by cell (m = 0.01 and 0.1 kg)."""
     return PublishedTables(
         source="Uchida, Uno, Yoshida: Space Debris Reliable Capturing by a Dual-Arm Orbital Robot, iSpaRo 2024",
-        paths=(MASS, DAMPING, STIFFNESS),
+        paths=[MASS, DAMPING, STIFFNESS],
         cells=[PublishedCell(**cell._asdict(), outcome=outcome) for cell, outcome in published_classes().items()],
     )
 

@@ -11,6 +11,12 @@ import type {
   MissionConfiguration,
   MissionEvent,
   NamedConfiguration,
+  PublishedTables,
+  Run,
+  StudyDetail,
+  StudyPage,
+  StudyRequest,
+  StudyRowPage,
 } from "./types";
 
 const client = createClient<paths>({ baseUrl: "" });
@@ -29,6 +35,15 @@ async function bodyOf<Body>(reply: Promise<Reply<Body>>): Promise<Body> {
   });
   if (!response.ok || data === undefined) throw refusalOf(response.status, error);
   return data;
+}
+
+/** For answers without a body. */
+async function nothingOf(reply: Promise<Reply<unknown>>): Promise<null> {
+  const { error, response } = await reply.catch((cause: unknown) => {
+    throw noAnswer(cause);
+  });
+  if (!response.ok) throw refusalOf(response.status, error);
+  return null;
 }
 
 const within = (milliseconds: number) => ({ signal: AbortSignal.timeout(milliseconds) });
@@ -61,3 +76,49 @@ export const readEvents = (id: string): Promise<MissionEvent[]> =>
 /** Where a browser downloads the log of a run, also of one in progress. */
 export const logAddress = (id: string, format: "csv" | "parquet"): string =>
   `/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`;
+
+export const listStudies = (): Promise<StudyPage> =>
+  bodyOf(client.GET("/api/v1/studies", { params: { query: { limit: 100 } }, ...within(ANSWER_TIME) }));
+
+export const readStudy = (id: string): Promise<StudyDetail> =>
+  bodyOf(client.GET("/api/v1/studies/{study_id}", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Rows that came after the row `after`, in the order in which their cells ended. */
+export const readRows = (id: string, after: number): Promise<StudyRowPage> =>
+  bodyOf(
+    client.GET("/api/v1/studies/{study_id}/rows", {
+      params: { path: { study_id: id }, query: { after } },
+      ...within(ANSWER_TIME),
+    }),
+  );
+
+/** To estimate how long a very large study takes, the service flies some of its cells first. */
+const ESTIMATE_TIME = 120_000;
+
+export const startStudy = (request: StudyRequest): Promise<StudyDetail> =>
+  bodyOf(client.POST("/api/v1/studies", { body: request, ...within(ESTIMATE_TIME) }));
+
+export const cancelStudy = (id: string): Promise<StudyDetail> =>
+  bodyOf(client.POST("/api/v1/studies/{study_id}/cancel", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));
+
+export const resumeStudy = (id: string): Promise<StudyDetail> =>
+  bodyOf(client.POST("/api/v1/studies/{study_id}/resume", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));
+
+export const deleteStudy = (id: string): Promise<null> =>
+  nothingOf(client.DELETE("/api/v1/studies/{study_id}", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Flies one cell again as a run of the library. */
+export const runCell = (id: string, index: number): Promise<Run> =>
+  bodyOf(
+    client.POST("/api/v1/studies/{study_id}/cells/{index}/run", {
+      params: { path: { study_id: id, index } },
+      ...within(ANSWER_TIME),
+    }),
+  );
+
+export const readPublishedTables = (): Promise<PublishedTables> =>
+  bodyOf(client.GET("/api/v1/studies/published/tables", within(ANSWER_TIME)));
+
+/** Where a browser downloads the table of a study, also of one that flies. */
+export const resultsAddress = (id: string, format: "csv" | "parquet" | "json"): string =>
+  `/api/v1/studies/${encodeURIComponent(id)}/results?format=${format}`;

@@ -1,7 +1,11 @@
 /** The bodies of the API by the names this console uses, taken from the generated schema by path. */
 import type { paths } from "../client/schema";
 
-type Answer<Operation> = Operation extends { responses: { 200: { content: { "application/json": infer Body } } } } ? Body : never;
+type Answer<Operation> = Operation extends { responses: infer Responses }
+  ? Extract<Responses[keyof Responses & (200 | 201 | 202)], { content: unknown }> extends { content: { "application/json": infer Body } }
+    ? Body
+    : never
+  : never;
 type Request<Operation> = Operation extends { requestBody: { content: { "application/json": infer Body } } } ? Body : never;
 
 export type MissionSnapshot = Answer<paths["/api/v1/mission"]["get"]>;
@@ -20,3 +24,14 @@ export type Touch = MissionSnapshot["contacts"][number];
 export type Problem = MissionSnapshot["problems"][number];
 export type Command = CommandRequest["command"];
 export type Severity = MissionEvent["severity"];
+
+export type StudyPage = Answer<paths["/api/v1/studies"]["get"]>;
+export type StudySummary = StudyPage["studies"][number];
+export type StudyDetail = Answer<paths["/api/v1/studies/{study_id}"]["get"]>;
+export type StudyRequest = Request<paths["/api/v1/studies"]["post"]>;
+export type StudyRowPage = Answer<paths["/api/v1/studies/{study_id}/rows"]["get"]>;
+export type StudyRow = StudyRowPage["rows"][number];
+export type PublishedTables = Answer<paths["/api/v1/studies/published/tables"]["get"]>;
+export type RunPage = Answer<paths["/api/v1/runs"]["get"]>;
+export type RunSummary = RunPage["runs"][number];
+export type Run = Answer<paths["/api/v1/runs/{run_id}"]["get"]>;

@@ -1,9 +1,26 @@
 import { MantineProvider } from "@mantine/core";
+import { useState } from "react";
+import { DeskContext } from "../features/commands/context";
+import { CommandDesk } from "../features/commands/desk";
+import { ConfigurationContext, useConfigurationState } from "../store/configuration";
 import { StoreContext } from "../store/context";
 import { surfaces, theme } from "../theme/theme";
 import { useLiveMission } from "./live";
-import { MissionPage } from "./MissionPage";
 import { PreferencesContext, usePreferencesState } from "./preferences";
+import { Shell } from "./Shell";
+
+/** What every page shares of the live mission: its commands and its configuration. */
+function Mission() {
+  const [desk] = useState(() => new CommandDesk());
+  const configuration = useConfigurationState();
+  return (
+    <DeskContext value={desk}>
+      <ConfigurationContext value={configuration}>
+        <Shell />
+      </ConfigurationContext>
+    </DeskContext>
+  );
+}
 
 export function App() {
   const store = useLiveMission();
@@ -12,7 +29,7 @@ export function App() {
     <MantineProvider theme={theme} cssVariablesResolver={surfaces} defaultColorScheme="dark">
       <PreferencesContext value={preferences}>
         <StoreContext value={store}>
-          <MissionPage />
+          <Mission />
         </StoreContext>
       </PreferencesContext>
     </MantineProvider>

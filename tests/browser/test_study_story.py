@@ -1,0 +1,54 @@
+"""A researcher starts a study, watches its map fill, takes it away, and opens one of its cells in the scene."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from .conftest import ARTIFACTS, Service
+
+pytestmark = pytest.mark.browser
+
+STUDY_TIME = 180_000
+"""Three captures, flown at a low priority on a machine that also runs the browser [ms]."""
+
+
+def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Service, tmp_path: Path) -> None:
+    console.get_by_role("link", name="Studies").click()
+    expect(console.get_by_role("button", name="STOP")).to_be_enabled()
+    console.get_by_role("button", name="A study of my own").click()
+    console.get_by_label("Name").fill("three dampings")
+    console.get_by_label("Grid, values 1").fill("1.5, 3 .. 6")
+    console.get_by_role("button", name="Start").click()
+    expect(console.get_by_role("alert")).to_contain_text("is no number")
+    console.get_by_label("Grid, values 1").fill("3 .. 6 by 1.5")
+    console.get_by_role("button", name="Start").click()
+
+    head = console.get_by_role("region", name="Study three dampings")
+    expect(head.get_by_role("status")).to_contain_text("finished, 3 of 3 cells", timeout=STUDY_TIME)
+    cells = console.locator("[data-cell]")
+    expect(cells).to_have_count(3)
+    study = service.ask("/studies")["studies"][0]["id"]
+    rows = service.ask(f"/studies/{study}/rows")["rows"]
+    for row in rows:
+        expect(console.locator(f"[data-cell='{row['cell']}']")).to_have_attribute("data-shown", row["outcome"])
+
+    with console.expect_download() as download:
+        console.get_by_role("button", name="SVG").click()
+    picture = tmp_path / "map.svg"
+    download.value.save_as(picture)
+    assert ET.parse(picture).getroot().tag.endswith("svg")
+
+    console.locator("[data-cell='1']").click()
+    chosen = next(row for row in rows if row["cell"] == 1)
+    cell = console.locator("section", has=console.get_by_role("heading", name="Cell 1"))
+    expect(cell).to_contain_text(f"{chosen['peak_tip_force']:.3f} N")
+    console.screenshot(path=ARTIFACTS / "studies.png")
+    cell.get_by_role("button", name="Fly it in the scene").click()
+    expect(console.get_by_role("list", name="Phases").locator("[aria-current=step]")).to_contain_text("Detumbling")
+    flown = service.ask("/mission/config")["config"]
+    assert flown["control"]["impedance"]["damping"] == chosen["control.impedance.damping"]
+    assert flown["simulation"]["seed"] == chosen["seed"]

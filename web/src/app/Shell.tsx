@@ -1,0 +1,20 @@
+/** The frame of every page: who and what at the top, STOP within reach, one page below. */
+import { StudiesPage } from "../features/studies/StudiesPage";
+import { useView } from "../store/context";
+import { MissionPage } from "./MissionPage";
+import { useRoute } from "./route";
+import styles from "./Shell.module.css";
+import { TopBar } from "./TopBar";
+
+/** Pages stay as they are while another one is shown: the scene keeps its view, a form what was typed. */
+export function Shell() {
+  const trust = useView((view) => view.trust);
+  const { page, item } = useRoute();
+  return (
+    <div className={styles.shell} data-trust={trust}>
+      <TopBar page={page} />
+      <MissionPage shown={page === "mission"} />
+      <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+    </div>
+  );
+}

@@ -1,0 +1,115 @@
+/** One cell: what it was flown with, what came out, and its run. */
+import { Button } from "@mantine/core";
+import { useState } from "react";
+import { Panel } from "../../app/Panel";
+import { go } from "../../app/route";
+import { Refusal } from "../../api/refusal";
+import { changeConfiguration, runCell, sendCommand } from "../../api/service";
+import type { StudyDetail, StudyRow } from "../../api/types";
+import { plain, shown } from "../../units/units";
+import { nested } from "./definition";
+import { lookOf } from "./palette";
+import { axisName } from "./StudyMap";
+import styles from "./StudiesPage.module.css";
+
+type Flat = Readonly<Record<string, unknown>>;
+
+/** The live mission becomes this cell, bit for bit: its configuration, its seed, its command. */
+async function flyInScene(study: StudyDetail, row: StudyRow): Promise<void> {
+  const definition = study.definition as { configuration?: string; changes?: Flat; direct?: boolean };
+  const varied = Object.fromEntries(study.axes.map((axis) => [axis.path, row[axis.path]]));
+  const configuration = definition.configuration ?? "published";
+  await sendCommand({ command: "reset", configuration });
+  await changeConfiguration(nested({ ...definition.changes, ...varied, "simulation.seed": row["seed"] }));
+  await sendCommand({ command: definition.direct === true ? "direct_cage" : "capture" });
+}
+
+const LABELS: readonly (readonly [string, string])[] = [
+  ["outcome", "Outcome"],
+  ["at_first_closure", "At the first closure"],
+  ["at_locked_arms", "With locked arms"],
+  ["caged", "Caged for good"],
+  ["cage_margin", "Cage margin"],
+  ["peak_tip_force", "Peak force, to locked arms"],
+  ["peak_tip_force_to_closure", "Peak force, to closure"],
+  ["closed_at", "Closed at"],
+  ["touches", "Touches"],
+  ["hardest_touch_arm", "Hardest touch, arm"],
+  ["hardest_touch_start", "Hardest touch, at"],
+  ["final_target_spin", "Final spin"],
+  ["min_manipulability", "Least manipulability"],
+];
+
+function words(study: StudyDetail, column: string, value: StudyRow[string]): string {
+  if (value === null || value === undefined) return "—";
+  if (typeof value === "string" || typeof value === "boolean") return lookOf(String(value)).words;
+  if (typeof value !== "number") return "";
+  const unit = shown(study.columns.find((each) => each.name === column)?.unit ?? "1", "rad").unit;
+  return `${plain(Number(value.toPrecision(4)))} ${unit}`;
+}
+
+export function CellPanel({ study, row }: { readonly study: StudyDetail; readonly row: StudyRow | undefined }) {
+  const [waiting, setWaiting] = useState(false);
+  const [refusal, setRefusal] = useState<Refusal | null>(null);
+  const [kept, setKept] = useState<{ readonly row: StudyRow; readonly run: string } | null>(null);
+  if (row === undefined) {
+    return (
+      <Panel title="Cell">
+        <p className={styles.hint}>Choose a cell of the map: what it was flown with, what came out, and its run.</p>
+      </Panel>
+    );
+  }
+  const cell = Number(row["cell"]);
+  const doing = async (work: () => Promise<void>): Promise<void> => {
+    setWaiting(true);
+    setRefusal(null);
+    try {
+      await work();
+    } catch (cause) {
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefusal(cause);
+    } finally {
+      setWaiting(false);
+    }
+  };
+  const fly = async () => {
+    await flyInScene(study, row);
+    go("mission");
+  };
+  const keep = async () => {
+    setKept({ row, run: (await runCell(study.id, cell)).id });
+  };
+  return (
+    <Panel title={`Cell ${cell}`} grow>
+      <dl className={styles.facts}>
+        {study.axes.map((axis) => (
+          <div key={axis.path}>
+            <dt>{axisName(axis.path)}</dt>
+            <dd>{words(study, axis.path, row[axis.path] ?? null)}</dd>
+          </div>
+        ))}
+        {LABELS.map(([column, label]) => (
+          <div key={column}>
+            <dt>{label}</dt>
+            <dd>{words(study, column, row[column] ?? null)}</dd>
+          </div>
+        ))}
+      </dl>
+      {typeof row["error"] === "string" && <p className={styles.hint}>{row["error"]}</p>}
+      <div className={styles.actions}>
+        <Button variant="filled" disabled={waiting} onClick={() => void doing(fly)}>
+          Fly it in the scene
+        </Button>
+        <Button disabled={waiting} onClick={() => void doing(keep)}>
+          Keep as a run
+        </Button>
+      </div>
+      {kept?.row === row && <p className={styles.hint} role="status">{`Kept in the library as run ${kept.run}.`}</p>}
+      {refusal && (
+        <p className={styles.trouble} role="alert">
+          <strong>{refusal.message}</strong> <span>{refusal.tip}</span>
+        </p>
+      )}
+    </Panel>
+  );
+}

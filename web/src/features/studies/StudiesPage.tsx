@@ -1,0 +1,133 @@
+/** Studies: start one, watch its map fill, and open what stands in it. */
+import { Button, Progress } from "@mantine/core";
+import { useState } from "react";
+import { Panel } from "../../app/Panel";
+import { go } from "../../app/route";
+import { Refusal } from "../../api/refusal";
+import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
+import type { StudyDetail, StudySummary } from "../../api/types";
+import { fixed } from "../../units/units";
+import { CellPanel } from "./CellPanel";
+import { NewStudy } from "./NewStudy";
+import styles from "./StudiesPage.module.css";
+import { StudyResults } from "./StudyResults";
+import { StudyView } from "./StudyView";
+import { isUnderWay, useStudies, useStudy } from "./use-study";
+
+function span(seconds: number): string {
+  const minutes = Math.floor(seconds / 60);
+  if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  return minutes > 0 ? `${minutes} min ${Math.round(seconds % 60)} s` : `${Math.ceil(seconds)} s`;
+}
+
+function progressWords({ status, progress, note }: StudySummary): string {
+  const cells = `${progress.done} of ${progress.total} cells`;
+  if (status === "queued") return `waits, ${cells}`;
+  if (status === "running") {
+    const left = typeof progress.time_left === "number" ? `, ${span(progress.time_left)} left` : "";
+    return `${cells}${left}`;
+  }
+  return `${status}, ${cells}${note === null ? "" : `: ${note}`}`;
+}
+
+function StudyItem({ study, chosen }: { readonly study: StudySummary; readonly chosen: boolean }) {
+  return (
+    <li>
+      <a className={styles.item} href={`#/studies/${study.id}`} aria-current={chosen ? "true" : undefined} data-status={study.status}>
+        <strong>{study.name}</strong>
+        <span>{progressWords(study)}</span>
+        <Progress size={3} value={(100 * study.progress.done) / Math.max(1, study.progress.total)} aria-label={`Progress of ${study.name}`} />
+      </a>
+    </li>
+  );
+}
+
+function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly onChange: () => void }) {
+  const [refusal, setRefusal] = useState<Refusal | null>(null);
+  const [sure, setSure] = useState(false);
+  const doing = async (work: () => Promise<unknown>): Promise<void> => {
+    try {
+      await work();
+      setRefusal(null);
+      onChange();
+    } catch (cause) {
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefusal(cause);
+    }
+  };
+  const rate = study.progress.cells_per_second;
+  const remove = async () => {
+    await deleteStudy(study.id);
+    go("studies");
+  };
+  return (
+    <header className={styles.head}>
+      <h2>{study.name}</h2>
+      <span role="status">
+        {progressWords(study)}
+        {typeof rate === "number" && `, ${fixed(rate, 1)} a second`}
+      </span>
+      <span className={styles.spring} />
+      {isUnderWay(study) && <Button onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</Button>}
+      {(study.status === "cancelled" || study.status === "failed") && <Button onClick={() => void doing(() => resumeStudy(study.id))}>Go on</Button>}
+      {!isUnderWay(study) && (
+        <Button onClick={() => { if (sure) void doing(remove); else setSure(true); }} onBlur={() => { setSure(false); }}>
+          {sure ? "Delete for good?" : "Delete"}
+        </Button>
+      )}
+      {refusal && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+    </header>
+  );
+}
+
+function Nothing({ refusal }: { readonly refusal: Refusal | null }) {
+  return (
+    <section className={styles.nothing} aria-label="No study chosen">
+      <h2>{refusal ? refusal.message : "What would happen if …?"}</h2>
+      <p>
+        {refusal
+          ? refusal.tip
+          : "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: in about a minute its map stands beside the published one, and every cell opens as a flight in the scene."}
+      </p>
+    </section>
+  );
+}
+
+export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
+  const [edition, setEdition] = useState(0);
+  const { studies, refusal, read } = useStudies(shown, edition);
+  const view = useStudy(shown ? item : "", edition);
+  const [selection, setSelection] = useState<{ readonly study: string; readonly cell: number } | null>(null);
+  const again = () => {
+    setEdition((before) => before + 1);
+  };
+  const study = view.study?.id === item ? view.study : null;
+  const cell = selection?.study === item ? selection.cell : null;
+  return (
+    <main className={styles.page} hidden={!shown}>
+      <div className={styles.side}>
+        <NewStudy onStarted={(id) => { again(); go("studies", id); }} />
+        <Panel title="Studies" grow aside={<span className={styles.count}>{studies.length > 0 ? studies.length : ""}</span>}>
+          {refusal && <p className={styles.hint}>{refusal.message}</p>}
+          {read && studies.length === 0 && <p className={styles.hint}>None yet.</p>}
+          <ul className={styles.list}>
+            {studies.map((each) => (
+              <StudyItem key={each.id} study={each} chosen={each.id === item} />
+            ))}
+          </ul>
+        </Panel>
+      </div>
+      {study === null ? (
+        <Nothing refusal={item === "" ? null : view.refusal} />
+      ) : (
+        <>
+          <StudyView key={study.id} study={study} rows={view.rows} selected={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} head={<StudyHead study={study} onChange={again} />} />
+          <div className={styles.side}>
+            <StudyResults study={study} />
+            <CellPanel study={study} row={cell === null ? undefined : view.rows.get(cell)} />
+          </div>
+        </>
+      )}
+    </main>
+  );
+}

@@ -1,0 +1,68 @@
+/** How often each class came out, and how far that agrees with the paper. */
+import { Panel } from "../../app/Panel";
+import type { StudyDetail } from "../../api/types";
+import { fixed } from "../../units/units";
+import { lookOf } from "./palette";
+import styles from "./StudiesPage.module.css";
+
+const percent = (share: number): string => `${fixed(100 * share, 1)} %`;
+
+export function StudyResults({ study }: { readonly study: StudyDetail }) {
+  return (
+    <Panel title="Outcomes">
+      <table className={styles.table}>
+        <thead>
+          <tr>
+            <th>Class</th>
+            <th>Cells</th>
+            <th>Share</th>
+          </tr>
+        </thead>
+        <tbody>
+          {study.outcomes.map((share) => (
+            <tr key={share.outcome}>
+              <td>
+                <span className={styles.swatch} style={{ background: lookOf(share.outcome).colour }} aria-hidden="true">
+                  {lookOf(share.outcome).letter}
+                </span>
+                {lookOf(share.outcome).words}
+              </td>
+              <td>{share.cells}</td>
+              <td>
+                {percent(share.share)}
+                {share.low !== null && share.high !== null && (
+                  <small title="95 % confidence interval">
+                    {fixed(100 * share.low, 0)}–{fixed(100 * share.high, 0)} %
+                  </small>
+                )}
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {study.agreement !== null && study.agreement.length > 0 && (
+        <table className={styles.table}>
+          <caption>Agreement with the paper, at the first closure</caption>
+          <thead>
+            <tr>
+              <th>Table</th>
+              <th>Same class</th>
+              <th>Cohen&apos;s κ</th>
+            </tr>
+          </thead>
+          <tbody>
+            {study.agreement.map((table) => (
+              <tr key={table.mass}>
+                <td>m = {table.mass} kg</td>
+                <td>
+                  {table.agreeing} of {table.cells} ({percent(table.share)})
+                </td>
+                <td>{fixed(table.kappa, 2)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </Panel>
+  );
+}

@@ -1,0 +1,133 @@
+/** One study: its state, its map, and what may be done with it. */
+import { Button, NativeSelect, Switch, useMantineColorScheme } from "@mantine/core";
+import { useElementSize } from "@mantine/hooks";
+import { useEffect, useRef, useState, type ReactNode } from "react";
+import { readPublishedTables, resultsAddress } from "../../api/service";
+import type { PublishedTables, StudyDetail } from "../../api/types";
+import { Icon } from "../../theme/Icon";
+import { saveSvg } from "./export-svg";
+import { gridAxes, usualSpread, type Spread } from "./layout";
+import { publishedFor } from "./published";
+import styles from "./StudiesPage.module.css";
+import { axisName, mapSize, StudyMap, type Paper } from "./StudyMap";
+import { StudyScatter } from "./StudyScatter";
+import type { Rows } from "./use-study";
+
+const PAPERS: Readonly<Record<"dark" | "light", Paper>> = {
+  dark: { page: "#141920", ink: "#e9edf3", dim: "#a7b1bf", line: "#252d38", empty: "#232b36" },
+  light: { page: "#fcfdfe", ink: "#12171e", dim: "#46515f", line: "#d3dae3", empty: "#e3e8ee" },
+};
+
+const CLASSES = ["outcome", "at_first_closure", "at_locked_arms", "caged"];
+
+/** The columns that a map can show, classes first. */
+function columnsOf(study: StudyDetail): { value: string; label: string }[] {
+  const varied = new Set(study.axes.map((axis) => axis.path));
+  return study.columns
+    .filter((column) => !varied.has(column.name) && !["cell", "seed", "error"].includes(column.name))
+    .map((column) => ({ value: column.name, label: column.name.replaceAll("_", " ") }));
+}
+
+function usePublished(): PublishedTables | null {
+  const [tables, setTables] = useState<PublishedTables | null>(null);
+  useEffect(() => {
+    readPublishedTables().then(setTables, () => undefined); // without them the map stands alone
+  }, []);
+  return tables;
+}
+
+/** How many panels beside each other make them largest. */
+function bestAcross(spread: Spread, compared: boolean, width: number, height: number): number {
+  const panels = spread.facet?.values.length ?? 1;
+  let [best, largest] = [1, 0];
+  for (let across = 1; across <= panels; across += 1) {
+    const size = mapSize(spread, across, compared);
+    const scale = Math.min(width / size.width, height / size.height);
+    if (scale > largest) [best, largest] = [across, scale];
+  }
+  return best;
+}
+
+/** Where the axes go that are not spread, and what is put where. */
+function AxisChoice({ study, spread, chosen, onSpread, onChosen }: {
+  readonly study: StudyDetail;
+  readonly spread: Spread;
+  readonly chosen: ReadonlyMap<string, number>;
+  readonly onSpread: (spread: Spread) => void;
+  readonly onChosen: (chosen: ReadonlyMap<string, number>) => void;
+}) {
+  const axes = gridAxes(study);
+  const find = (path: string) => axes.find((axis) => axis.path === path) ?? null;
+  const rest = axes.filter((axis) => ![spread.x.path, spread.y?.path, spread.facet?.path].includes(axis.path));
+  const swap = (role: "x" | "y" | "facet", path: string) => {
+    const next = find(path);
+    const other = (["x", "y", "facet"] as const).find((each) => spread[each]?.path === path);
+    const swapped = { ...spread, ...(other === undefined ? {} : { [other]: spread[role] }), [role]: next };
+    onSpread(swapped);
+  };
+  if (axes.length < 2) return null;
+  return (
+    <>
+      {(["x", "y", "facet"] as const).map((role) =>
+        spread[role] === null ? null : (
+          <NativeSelect key={role} aria-label={{ x: "Across", y: "Upright", facet: "Panels" }[role]} value={spread[role].path} data={axes.map((axis) => ({ value: axis.path, label: `${{ x: "Across", y: "Upright", facet: "Panels" }[role]}: ${axisName(axis.path)}` }))} onChange={(event) => { swap(role, event.currentTarget.value); }} />
+        ),
+      )}
+      {rest.map((axis) => (
+        <NativeSelect key={axis.path} aria-label={axis.path} value={String(chosen.get(axis.path) ?? 0)} data={axis.values.map((value, place) => ({ value: String(place), label: `${axisName(axis.path)} = ${value}` }))} onChange={(event) => { onChosen(new Map(chosen).set(axis.path, Number(event.currentTarget.value))); }} />
+      ))}
+    </>
+  );
+}
+
+interface ViewProps {
+  readonly study: StudyDetail;
+  readonly rows: Rows;
+  readonly selected: number | null;
+  readonly onSelect: (cell: number) => void;
+  readonly head: ReactNode;
+}
+
+export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) {
+  const { colorScheme } = useMantineColorScheme();
+  const paper = PAPERS[colorScheme === "light" ? "light" : "dark"];
+  const [column, setColumn] = useState(study.agreement === null ? "outcome" : "at_first_closure");
+  const [spread, setSpread] = useState(() => usualSpread(study));
+  const [chosen, setChosen] = useState<ReadonlyMap<string, number>>(new Map());
+  const [compare, setCompare] = useState(true);
+  const tables = usePublished();
+  const { ref: frame, width, height } = useElementSize<HTMLDivElement>();
+  const holder = useRef<HTMLDivElement>(null);
+  const drawn = study.axes.filter((axis) => axis.values === null);
+  const published = tables && spread ? publishedFor(tables, study, spread) : null;
+  const beside = compare && CLASSES.includes(column) && column !== "caged" ? published : null;
+  const across = spread ? bestAcross(spread, beside !== null, width, height) : 1;
+  return (
+    <section className={styles.view} aria-label={`Study ${study.name}`}>
+      {head}
+      <div className={styles.toolbar}>
+        <NativeSelect aria-label="Colour shows" value={column} data={columnsOf(study)} onChange={(event) => { setColumn(event.currentTarget.value); }} />
+        {spread && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
+        {published && <Switch size="xs" label="beside the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
+        <span className={styles.spring} />
+        <Button leftSection={<Icon sign="download" />} onClick={() => { const picture = holder.current?.querySelector("svg"); if (picture) saveSvg(picture, `${study.name}-${column}.svg`); }}>
+          SVG
+        </Button>
+        {(["csv", "parquet"] as const).map((format) => (
+          <a key={format} className={styles.download} href={resultsAddress(study.id, format)} download aria-label={`Download the table as ${format}`}>
+            <Icon sign="download" /> {format === "csv" ? "CSV" : "Parquet"}
+          </a>
+        ))}
+      </div>
+      <div className={styles.picture} ref={frame}>
+        <div className={styles.holder} ref={holder}>
+          {spread ? (
+            <StudyMap study={study} rows={rows} spread={spread} chosen={chosen} column={column} published={beside} paper={paper} selected={selected} onSelect={onSelect} across={across} />
+          ) : (
+            drawn[0] && <StudyScatter study={study} rows={rows} x={drawn[0]} y={drawn[1] ?? null} column={column} paper={paper} selected={selected} onSelect={onSelect} />
+          )}
+        </div>
+      </div>
+    </section>
+  );
+}
