@@ -65,6 +65,7 @@ Examples:
   becalm study published --out published.csv
   becalm study published --out finer.parquet --set simulation.time_step=0.0005
   becalm study spins.toml --out spins.json --seed 7 --workers 4 --json
+  becalm study spins.toml --out spins.csv --scheduler tcp://127.0.0.1:8786
 
 \b
 A study file (TOML or JSON) names a configuration and what varies over it:
@@ -245,6 +246,13 @@ def replay(*, run_id: str, as_json: bool) -> None:
 )
 @_configured
 @click.option("--workers", type=click.IntRange(min=1), help="Worker processes.  [default: one a core]")
+@click.option(
+    "--scheduler",
+    envvar="BECALM_SCHEDULER",
+    metavar="ADDRESS",
+    help="Fly it on the Dask cluster of this scheduler instead, tcp://HOST:8786.",
+)
+@click.option("--force", is_flag=True, help="Begin anew where --out holds a table, or rows, already.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Seed of the samples and of every cell.")
 @click.option("--yes", is_flag=True, help="Do not ask before more than 10 000 cells.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as one JSON document.")
@@ -256,6 +264,8 @@ def study(
     file: Path | None,
     settings: tuple[str, ...],
     workers: int | None,
+    scheduler: str | None,
+    force: bool,
     seed: int | None,
     yes: bool,
     as_json: bool,
@@ -266,11 +276,11 @@ def study(
     """
     changes = _changes(file, settings)
     from becalm import studying  # noqa: PLC0415 - the simulation takes a second to load
-    from sim.study.cores import cores  # noqa: PLC0415
 
     output = studying.output_file(out, table_format)
     chosen = studying.chosen_study(name_or_file, changes, seed)
-    report = studying.fly(chosen, output, workers or cores(), confirmed=yes)
+    flown_by = studying.chosen_workers(workers, scheduler)
+    report = studying.fly(chosen, output, flown_by, confirmed=yes, anew=force)
     if as_json:
         click.echo(json.dumps(studying.as_document(report)))
     else:

@@ -21,7 +21,7 @@ from sim.capture.mission import prepare
 from sim.configurations import named_configuration
 from sim.errors import ConfigError
 from sim.study.design import Study
-from sim.study.executors import LocalProcesses
+from sim.study.executors import local_workers
 from sim.study.export import TableFormat, export
 from sim.study.findings import Captures, Reproduction, findings, reproduction
 from sim.study.flight import Flight
@@ -113,7 +113,7 @@ def _rows(folder: Folder, study: Study, workers: int) -> Sequence[Row]:
 def _fly(table: StudyTable, workers: int) -> None:
     flight, show = Flight(table), show_progress()
     try:
-        flight.fly(lambda: LocalProcesses(workers), at_once=2 * workers, on_row=lambda _: show(flight.progress))
+        flight.fly(local_workers(workers), on_row=lambda _: show(flight.progress))
     except KeyboardInterrupt:
         for worker in multiprocessing.active_children():
             worker.terminate()

@@ -11,14 +11,17 @@ from typing import Any, NamedTuple
 
 import click
 
+from server.cluster import cluster_workers
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
+from sim.study.cores import cores
 from sim.study.design import Study, altered, read_study
-from sim.study.executors import LocalProcesses
+from sim.study.executors import Workers, local_workers
 from sim.study.export import TableFormat, export
-from sim.study.flight import MANY_CELLS, Flight, Progress, cell_time, in_words
+from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time, in_words
 from sim.study.published import NAMED_STUDIES, Agreement, agreement, is_comparable
 from sim.study.shares import OutcomeShare, outcome_shares
+from sim.study.summaries import MeasureSummary, measure_summaries
 from sim.study.table import StudyTable
 
 PROGRESS_STEP = 5.0
@@ -45,7 +48,7 @@ class Report(NamedTuple):
 
     study: Study
     output: Output
-    workers: int
+    workers: Workers
     resumed: int
     """Cells that were there from an earlier start."""
     progress: Progress
@@ -53,6 +56,8 @@ class Report(NamedTuple):
     failures: list[str]
     """Why cells have no outcome."""
     shares: list[OutcomeShare]
+    measures: list[MeasureSummary]
+    """Of a study that is a sample."""
     agreements: list[Agreement] | None
     """With the published tables, where they can be laid beside the study."""
 
@@ -96,16 +101,41 @@ def chosen_study(name_or_file: str, changes: Mapping[str, Any], seed: int | None
     return altered(study, changes, seed)
 
 
-def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Report:
-    """Fly the cells that are missing, write the table, and tell what came out; progress goes to standard error.
+def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
+    """Processes on this machine, or the workers of a cluster.
 
     Raises:
+        ConfigError: both are asked for, or the address cannot be one.
+        WorkersUnavailable: the cluster has no worker that could fly a cell.
+
+    """
+    if scheduler is None:
+        return local_workers(count or cores())
+    if count is not None:
+        raise ConfigError(f"--workers {count}: a cluster has its own workers; give --workers or --scheduler")
+    return cluster_workers(scheduler)
+
+
+def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, anew: bool) -> Report:
+    """Fly the cells that are missing, write the table, and tell what came out; progress goes to standard error.
+
+    Args:
+        study: what to fly.
+        output: where its table goes.
+        workers: what flies it.
+        confirmed: more than `MANY_CELLS` cells are meant.
+        anew: a table that is there already, or a part of one, gives way.
+
+    Raises:
+        ConfigError: there is a table already.
         TableUnusable: the rows cannot be kept.
-        WorkersUnavailable: no worker process can be started.
+        WorkersUnavailable: there is no worker that could fly a cell.
         click.ClickException: the person was asked, and declined.
 
     """
-    with StudyTable(output.unfinished, study) as table:
+    if output.path.exists() and not anew:
+        raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to begin anew")
+    with StudyTable(output.unfinished, study, anew=anew) as table:
         click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
         prepare()
         resumed = len(table)
@@ -123,18 +153,19 @@ def fly(study: Study, output: Output, workers: int, *, confirmed: bool) -> Repor
             progress=progress,
             failures=[row["error"] for row in table.rows() if row["error"] is not None],
             shares=outcome_shares(study, table.rows()),
+            measures=measure_summaries(study, table.rows()),
             agreements=agreement(table.rows()) if is_comparable(study) else None,
         )
     output.unfinished.unlink()
     return report
 
 
-def _fly_missing(table: StudyTable, workers: int) -> Progress:
+def _fly_missing(table: StudyTable, workers: Workers) -> Progress:
     """Fly the cells without a row."""
     flight = Flight(table)
     show = show_progress()
     try:
-        flight.fly(lambda: LocalProcesses(workers), at_once=2 * workers, on_row=lambda _: show(flight.progress))
+        flight.fly(workers, on_row=lambda _: show(flight.progress))
     except KeyboardInterrupt:
         for worker in multiprocessing.active_children():
             worker.terminate()
@@ -149,11 +180,10 @@ def _fly_missing(table: StudyTable, workers: int) -> Progress:
     return flight.progress
 
 
-def _ask(study: Study, cells: int, workers: int) -> None:
+def _ask(study: Study, cells: int, workers: Workers) -> None:
     """Say how long so many cells take, and go on only if that is wanted."""
-    with LocalProcesses(1) as executor:
-        duration = in_words(cell_time(study, executor) * cells / workers)
-    question = f"{cells} cells take about {duration} on {workers} workers (--yes does not ask). Start?"
+    duration = in_words(flight_time(study, cells, workers))
+    question = f"{cells} cells take about {duration} on {workers.words} (--yes does not ask). Start?"
     if not click.confirm(question, err=True):
         raise click.ClickException("nothing was started")
 
@@ -187,8 +217,9 @@ def as_document(report: Report) -> dict[str, Any]:
         "resumed": report.resumed,
         "failed": len(report.failures),
         "outcomes": [share.model_dump() for share in report.shares],
+        "measures": [measure.model_dump() for measure in report.measures],
         "agreement": None if report.agreements is None else [table.model_dump() for table in report.agreements],
-        "workers": report.workers,
+        "workers": report.workers.count,
         "wall_time": report.progress.wall_time,
         "cells_per_second": report.progress.cells_per_second,
         "simulated_seconds_per_second": report.progress.simulated_seconds_per_second,
@@ -202,11 +233,14 @@ def as_text(report: Report) -> str:
     progress = report.progress
     lines = [
         f"Study {report.study.name}: {report.study.count} cells, {report.flown} flown in "
-        f"{in_words(progress.wall_time)} by {report.workers} workers ({progress.cells_per_second or 0.0:.1f} a second)",
+        f"{in_words(progress.wall_time)} by {report.workers.words} ({progress.cells_per_second or 0.0:.1f} a second)",
         "",
         *map(_share_line, report.shares),
         *_failure_lines(report.failures),
     ]
+    if report.measures:
+        lines += ["", f"  {'':<28}{'mean':>10}{'95 % interval':>22}{'95 % quantile':>16}"]
+        lines += map(_measure_line, report.measures)
     if report.agreements:
         lines += ["", "Agreement with the published tables, at the first closure:", ""]
         lines += map(_agreement_line, report.agreements)
@@ -216,6 +250,13 @@ def as_text(report: Report) -> str:
 def _share_line(share: OutcomeShare) -> str:
     interval = "" if share.low is None else f"   95 %: {share.low:.1%} to {share.high:.1%}"
     return f"  {share.outcome:<26}{share.cells:>7}{share.share:>8.1%}{interval}"
+
+
+def _measure_line(summary: MeasureSummary) -> str:
+    mean, high = summary.mean, summary.quantile_95
+    interval = "" if mean.low is None else f"{mean.low:.4g} to {mean.high:.4g}"
+    name = summary.measure if summary.unit == "1" else f"{summary.measure} [{summary.unit}]"
+    return f"  {name:<28}{mean.value:>10.4g}{interval:>22}" + ("" if high is None else f"{high.value:>16.4g}")
 
 
 def _failure_lines(failures: list[str]) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.capture.mission import prepare
 from sim.study.cores import cores
-from sim.study.executors import LocalProcesses, fly_cells
+from sim.study.executors import fly_cells, local_workers
 from sim.study.published import PUBLISHED_STUDY, agreement
 from sim.study.run import CellTask, Row, fly_cell
 
@@ -41,7 +41,7 @@ def measured(cells: int, workers: int) -> dict[str, float]:
     speed_alone = sum(alone) / (time.process_time() - before)
     rows: list[Row] = []
     before = time.perf_counter()
-    fly_cells(tasks(cells), rows.append, lambda: LocalProcesses(workers), at_once=2 * workers)
+    fly_cells(tasks(cells), rows.append, local_workers(workers).open_executor, at_once=2 * workers)
     wall_time = time.perf_counter() - before
     simulated = sum(row["duration"] for row in rows)
     whole = PUBLISHED_STUDY.count / cells * wall_time

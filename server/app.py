@@ -61,7 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
     recorder = Recorder(store)
     loop = MissionLoop(settings.configuration, initial, feed, recorder)
     studies = StudyStore(settings.data_dir / "studies")
-    study_queue = StudyQueue(studies, settings.study_workers)
+    study_queue = StudyQueue(studies, settings.find_workers)
     services = Services(settings, feed, loop, store, ScriptedRuns(store), studies, study_queue)
     projector = Projector(Scene(initial), feed, loop)
 

@@ -10,13 +10,18 @@ from typing import Any, Literal, Self
 from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from server.cluster import ADDRESS, cluster_workers
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.errors import ConfigError
 from sim.study.cores import cores
+from sim.study.executors import Workers, local_workers
 
 ENVIRONMENT_PREFIX = "BECALM_"
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
+
+STUDY_NICENESS = 10
+"""Of the processes that fly studies on this machine: the live mission's clock comes first."""
 
 TELEMETRY_RATE_LIMITS = (1.0, 60.0)
 """Snapshots a second that a client may ask for; the mission is published no faster than the upper one."""
@@ -45,6 +50,11 @@ class Settings(BaseModel):
         ge=1,
         le=1024,
         description="Processes that fly studies; one core is left to the live mission",
+    )
+    scheduler: str | None = Field(
+        None,
+        pattern=rf"^{ADDRESS.pattern}$",
+        description="Dask scheduler whose workers fly studies, tcp://HOST:8786; none: processes on this machine",
     )
     allowed_hosts: tuple[str, ...] = Field(
         (), description="Host names that requests may use; empty: loopback's on loopback, any elsewhere"
@@ -76,6 +86,17 @@ class Settings(BaseModel):
 
         """
         return revised(named_configuration(self.configuration), self.changes)
+
+    def find_workers(self) -> Workers:
+        """What flies studies now.
+
+        Raises:
+            WorkersUnavailable: the cluster cannot.
+
+        """
+        if self.scheduler is not None:
+            return cluster_workers(self.scheduler)
+        return local_workers(self.study_workers, STUDY_NICENESS)
 
     def own_hosts(self) -> tuple[str, ...]:
         """The host names that a request may be addressed to; empty for any."""

@@ -1,4 +1,4 @@
-"""Flies the service's studies, one after another, in worker processes that leave the live mission its time.
+"""Flies the service's studies, one after another, on workers that leave the live mission its time.
 
 A study that was waiting or flying when the service ended, however it ended, goes on at the next start.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
-from concurrent.futures import Executor
+from collections.abc import Callable
 from typing import NamedTuple
 
 from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
@@ -16,15 +16,12 @@ from server.run_folder import wall_clock
 from server.studies import StudyRecord, StudyStatus, StudyStore
 from sim.errors import CaptureError
 from sim.study.design import Study
-from sim.study.executors import LocalProcesses
-from sim.study.flight import MANY_CELLS, Flight, Progress, cell_time
+from sim.study.executors import Workers
+from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time
 from sim.study.table import StudyTable
 
 CAPACITY = 16
 """Studies that may wait."""
-
-NICENESS = 10
-"""The live mission's clock comes first."""
 
 log = logging.getLogger(__name__)
 
@@ -41,9 +38,10 @@ class _Flying(NamedTuple):
 class StudyQueue:
     """The studies that wait, and the thread that flies them one by one."""
 
-    def __init__(self, store: StudyStore, workers: int) -> None:
+    def __init__(self, store: StudyStore, find_workers: Callable[[], Workers]) -> None:
+        """`find_workers` is called for every study: a cluster need not be there before."""
         self._store = store
-        self._workers = workers
+        self._find_workers = find_workers
         self._waiting: deque[str] = deque()
         self._flying: _Flying | None = None
         self._changed = threading.Condition()
@@ -72,12 +70,11 @@ class StudyQueue:
         Raises:
             ConfirmationNeeded: it has more than `MANY_CELLS` cells, and nobody said that this is meant.
             ServiceBusy: too many wait already.
+            WorkersUnavailable: nothing can tell how long so large a study takes.
 
         """
         if study.count > MANY_CELLS and not confirmed:
-            with self._executor(1) as executor:
-                duration = cell_time(study, executor) * study.count / self._workers
-            raise ConfirmationNeeded(study.count, duration)
+            raise ConfirmationNeeded(study.count, flight_time(study, study.count, self._find_workers()))
         with self._changed:
             self._require_room()
             record = self._store.create(study)
@@ -176,7 +173,7 @@ class StudyQueue:
             flight = Flight(table, cancelled)
             self._flying = _Flying(study_id, cancelled, flight)
             try:
-                flight.fly(lambda: self._executor(self._workers), at_once=2 * self._workers)
+                flight.fly(self._find_workers())
             finally:
                 progress = flight.progress
                 self._store.revise(study_id, done=progress.done, wall_time=record.wall_time + progress.wall_time)
@@ -187,6 +184,3 @@ class StudyQueue:
 
     def _end(self, study_id: str, status: StudyStatus, note: str | None) -> None:
         self._store.revise(study_id, status=status, note=note, ended=wall_clock())
-
-    def _executor(self, workers: int) -> Executor:
-        return LocalProcesses(workers, NICENESS)

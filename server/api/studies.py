@@ -36,6 +36,7 @@ from sim.study.published import (
     published_classes,
 )
 from sim.study.shares import OutcomeShare, outcome_shares
+from sim.study.summaries import SUMMARIZED, MeasureSummary, measure_summaries
 
 router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422))
 
@@ -120,6 +121,7 @@ class StudyDetail(StudySummary):
     sample_method: SampleMethod | None
     columns: list[StudyColumn]
     outcomes: list[OutcomeShare]
+    measures: list[MeasureSummary] = Field(description="Of a study that is a sample; empty with a grid")
     agreement: list[Agreement] | None = Field(description="With the paper's tables, where they can be laid beside")
 
 
@@ -282,6 +284,7 @@ def _detail(services: Services, record: StudyRecord) -> StudyDetail:
             for each in table.columns
         ],
         outcomes=outcome_shares(of, table.rows("outcome")),
+        measures=measure_summaries(of, table.rows(*(column.name for column in SUMMARIZED))),
         agreement=agreement(impedances) if is_comparable(of) else None,
     )
 

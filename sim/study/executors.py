@@ -1,4 +1,4 @@
-"""The cells of a study on any `concurrent.futures.Executor`; local processes by default.
+"""The cells of a study on any `concurrent.futures.Executor`; `local_workers` are processes on this machine.
 
 Each cell gives one row, whatever happens to the processes that fly it. A worker that dies takes the executor
 along (`BrokenExecutor`); the cells that were with it are then flown again, one at a time, so that the one that
@@ -12,7 +12,17 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import wait as wait_for_end
 from typing import ParamSpec, TypeVar
 
@@ -26,8 +36,19 @@ OpenExecutor = Callable[[], Executor]
 """Gives a fresh executor; called again when one has broken."""
 
 
+@dataclass(frozen=True)
+class Workers:
+    """What flies the cells of a study."""
+
+    open_executor: OpenExecutor
+    count: int
+    """Cells that fly at a time."""
+    words: str
+    """For people: "2 processes on this machine"."""
+
+
 class WorkersUnavailable(CaptureError):
-    """No worker of the executor could be started."""
+    """No worker of the executor can be had, or not one that flies this version of the code."""
 
 
 class LocalProcesses(ProcessPoolExecutor):
@@ -44,6 +65,12 @@ class LocalProcesses(ProcessPoolExecutor):
             return super().submit(function, *args, **kwargs)
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def local_workers(count: int, niceness: int = 0) -> Workers:
+    """That many processes on this machine."""
+    words = f"{count} {'process' if count == 1 else 'processes'} on this machine"
+    return Workers(partial(LocalProcesses, count, niceness), count, words)
 
 
 def _begin_worker(niceness: int) -> None:
@@ -72,7 +99,7 @@ def fly_cells(
         at_once: cells handed to the executor at a time; twice its workers keeps them busy.
 
     Raises:
-        WorkersUnavailable: the executor cannot start a worker.
+        WorkersUnavailable: the executor has no worker that could fly a cell.
         KeyboardInterrupt: after the cells in flight have ended and their rows were kept.
 
     """
@@ -110,7 +137,7 @@ class _Crew:
         self._executor = self._open()
         try:
             self._executor.submit(os.getpid).result()
-        except BrokenExecutor as error:
+        except (BrokenExecutor, CancelledError) as error:
             tip = "fly a single capture (becalm run) to see whether the simulation starts at all"
             raise WorkersUnavailable(f"no worker process can be started: {error}", tip=tip) from None
 
@@ -134,9 +161,11 @@ class _Crew:
             task = self._flying.pop(future)
             try:
                 row = future.result()
-            except BrokenExecutor:
+            except (BrokenExecutor, CancelledError):
                 lost.append(task)
                 continue
+            except WorkersUnavailable:
+                raise
             except Exception as error:  # of the executor: the cell's own are in its row
                 row = failed_row(task.cell, f"{type(error).__name__}: {error}")
             self._keep(row)
@@ -153,7 +182,7 @@ class _Crew:
     def _flown_alone(self, task: CellTask) -> Row:
         try:
             return self._executor.submit(fly_cell, task).result()
-        except BrokenExecutor:
+        except (BrokenExecutor, CancelledError):
             self._reopen()
             return failed_row(task.cell, "its worker process died, and died again when it flew this cell alone")
 

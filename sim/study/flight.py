@@ -5,14 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
 
 import numpy as np
 from pydantic import Field
 
 from sim.capture.snapshot import Published
 from sim.study.design import Study
-from sim.study.executors import OpenExecutor, fly_cells
+from sim.study.executors import Workers, fly_cells
 from sim.study.run import CellTask, Row, fly_cell
 from sim.study.table import StudyTable
 
@@ -60,17 +59,16 @@ class Flight:
             time_left=(total - done) / rate if rate else None,
         )
 
-    def fly(self, open_executor: OpenExecutor, *, at_once: int, on_row: Callable[[Row], None] | None = None) -> None:
+    def fly(self, workers: Workers, *, on_row: Callable[[Row], None] | None = None) -> None:
         """Fly the cells without a row; returns when all have one, or soon after `cancelled` was set.
 
         Args:
-            open_executor: see `OpenExecutor`.
-            at_once: cells with the executor at a time.
+            workers: what flies them; twice as many cells as fly at a time are handed to it.
             on_row: called in this thread with every row, after it was kept.
 
         Raises:
             TableUnusable: a row cannot be kept.
-            WorkersUnavailable: the executor cannot start a worker.
+            WorkersUnavailable: there is no worker that could fly a cell.
 
         """
         self._began = time.perf_counter()
@@ -82,7 +80,7 @@ class Flight:
                 on_row(row)
 
         try:
-            fly_cells(self._tasks(), keep, open_executor, at_once=at_once)
+            fly_cells(self._tasks(), keep, workers.open_executor, at_once=2 * workers.count)
         finally:
             self._ended = time.perf_counter()
 
@@ -94,15 +92,16 @@ class Flight:
             yield CellTask(study.base, study.direct, study.cell(index))
 
 
-def cell_time(study: Study, executor: Executor) -> float:
-    """How long a cell takes one worker [s]: the mean of some, spread over the study, flown and forgotten."""
+def flight_time(study: Study, cells: int, workers: Workers) -> float:
+    """How long so many cells of a study take these workers [s], by some spread over it, flown and forgotten."""
     places = np.unique(np.linspace(0, study.count - 1, TRIAL_CELLS).astype(np.int64))
     tasks = [CellTask(study.base, study.direct, study.cell(int(place))) for place in places]
-    executor.submit(fly_cell, tasks[0]).result()  # the worker starts, and loads what is compiled
-    before = time.perf_counter()
-    for task in tasks:
-        executor.submit(fly_cell, task).result()
-    return (time.perf_counter() - before) / len(tasks)
+    with workers.open_executor() as executor:
+        executor.submit(fly_cell, tasks[0]).result()  # the worker starts, and loads what is compiled
+        before = time.perf_counter()
+        for task in tasks:
+            executor.submit(fly_cell, task).result()
+        return (time.perf_counter() - before) / len(tasks) * cells / workers.count
 
 
 def in_words(duration: float) -> str:

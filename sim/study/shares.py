@@ -25,6 +25,11 @@ class OutcomeShare(Published):
     high: float | None = Field(description="Its upper end")
 
 
+def is_sample(study: Study) -> bool:
+    """Whether its cells are draws of one population, so that shares and means of them estimate something."""
+    return study.samples is not None and not study.grid
+
+
 def outcome_shares(study: Study, rows: Iterable[Row]) -> list[OutcomeShare]:
     """The classes that came out, the most frequent first.
 
@@ -32,7 +37,7 @@ def outcome_shares(study: Study, rows: Iterable[Row]) -> list[OutcomeShare]:
     on the safe side. A grid is no sample, so a study with one has none.
     """
     counts = Counter(row["outcome"] for row in rows if row["outcome"] is not None)
-    sampled = study.samples is not None and not study.grid
+    sampled = is_sample(study)
     return [_share(outcome, cells, counts.total(), sampled=sampled) for outcome, cells in counts.most_common()]
 
 

@@ -12,6 +12,7 @@ import platform
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -81,8 +82,8 @@ class StudyRows:
 class StudyTable(StudyRows):
     """The rows of one study, kept as they come; as a context manager it is closed at the end."""
 
-    def __init__(self, path: Path, study: Study) -> None:
-        """Open the table, or begin it.
+    def __init__(self, path: Path, study: Study, *, anew: bool = False) -> None:
+        """Open the table, or begin it; with `anew` without what it holds.
 
         Raises:
             TableUnusable: another process has it open, it holds something else, or it cannot be written.
@@ -92,6 +93,9 @@ class StudyTable(StudyRows):
         self._claim = self._claimed()
         with ExitStack() as undo:
             undo.callback(self._claim.release, remove=True)
+            if anew:
+                for suffix in ("", "-wal", "-shm"):
+                    path.with_name(path.name + suffix).unlink(missing_ok=True)
             with _told(path):
                 self._rows = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
                 undo.callback(self._rows.close)
@@ -203,13 +207,14 @@ def fingerprint(study: Study) -> str:
     """What a study's rows depend on, as one digest: its cells, its configuration and the code that flies them."""
     definition = study.definition()
     del definition["name"], definition["description"]
-    parts = [definition, study.base.model_dump(mode="json"), _code(), platform.machine()]
+    parts = [definition, study.base.model_dump(mode="json"), code_fingerprint(), platform.machine()]
     return hashlib.sha256(json.dumps(parts, sort_keys=False).encode()).hexdigest()
 
 
-def _code() -> list[str]:
+@cache
+def code_fingerprint() -> tuple[str, ...]:
     """The digest of the package `sim`, and the versions of the packages that can change a number."""
     digest = hashlib.sha256()
     for path in sorted(_SIM.rglob("*.py")):
         digest.update(path.relative_to(_SIM).as_posix().encode() + b"\0" + path.read_bytes())
-    return [digest.hexdigest(), *(f"{package} {version(package)}" for package in _NUMERIC_PACKAGES)]
+    return (digest.hexdigest(), *(f"{package} {version(package)}" for package in _NUMERIC_PACKAGES))

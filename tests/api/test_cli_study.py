@@ -108,7 +108,7 @@ def test_agreement_is_told_of_the_published_study(tmp_path, in_this_process, mon
     document = json.loads(_invoke("published", "--out", out, "--json").stdout)
     assert [(table["mass"], table["cells"]) for table in document["agreement"]] == [(0.01, 121), (0.1, 121)]
     assert len(out.read_text().splitlines()) == 485
-    told = _invoke("published", "--out", out).stdout
+    told = _invoke("published", "--out", out, "--force").stdout
     assert "m = 0.01 kg" in told
     assert "of 121 cells in the same class" in told
 
@@ -122,16 +122,46 @@ def test_cells_that_fail_are_told(tmp_path, in_this_process):
     assert "0.0003 s does not divide" in result.stdout
 
 
+def begun(study, out):
+    """`becalm study` in a process of its own, when its first cells have come."""
+    command = [sys.executable, "-m", "becalm", "study", str(study), "--out", str(out), "--workers", "1"]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}, start_new_session=True
+    )
+    for line in process.stderr:
+        if line.startswith("Cells: "):
+            return process
+    pytest.fail(f"becalm study ended with {process.wait(5)}")
+
+
+def test_kill_9_costs_no_cell_and_counts_none_twice(tmp_path):
+    study, out = tmp_path / "slow.toml", tmp_path / "slow.json"
+    study.write_text(SLOW)
+    with begun(study, out) as process:
+        process.kill()
+    assert not out.exists()
+    document = json.loads(_invoke(study, "--out", out, "--json").stdout)
+    assert 0 < document["resumed"] < 24
+    undisturbed = tmp_path / "undisturbed.json"
+    assert _invoke(study, "--out", undisturbed).exit_code == 0
+    assert json.loads(out.read_text()) == json.loads(undisturbed.read_text())
+
+
+def test_a_table_is_overwritten_only_if_that_is_wanted(small, tmp_path, in_this_process):
+    out = tmp_path / "small.csv"
+    out.write_text("of another day")
+    result = _invoke(small, "--out", out)
+    assert result.exit_code == 2
+    assert "exists already" in result.stderr
+    assert out.read_text() == "of another day"
+    assert _invoke(small, "--out", out, "--force").exit_code == 0
+    assert len(out.read_text().splitlines()) > 4
+
+
 def test_ctrl_c_stops_and_the_same_command_goes_on(tmp_path):
     study, out = tmp_path / "slow.toml", tmp_path / "slow.json"
     study.write_text(SLOW)
-    command = [sys.executable, "-m", "becalm", "study", str(study), "--out", str(out), "--workers", "1"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}, start_new_session=True
-    ) as process:
-        for line in process.stderr:
-            if line.startswith("Cells: "):
-                break
+    with begun(study, out) as process:
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers as well
         stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 130

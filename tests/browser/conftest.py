@@ -108,6 +108,17 @@ def browser() -> Iterator[Browser]:
         chromium.close()
 
 
+CALM = """() => new Promise((calm) => {
+  let [last, quick] = [performance.now(), 0];
+  const look = (now) => {
+    quick = now - last < 500 ? quick + 1 : 0;
+    last = now;
+    if (quick > 8) calm(); else requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+})"""
+"""Until the page draws again: the first picture of the scene takes software seconds."""
+
 PRESSES = 20
 """A page that draws the scene in software may be held up; it then rightly holds commands back for a moment."""
 
@@ -140,6 +151,9 @@ def _opened_console(browser: Browser, service: Service, name: str, *, scene: boo
     page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(service.address)
     expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
+    if scene:
+        expect(page.frame_locator("iframe").first.locator("canvas").first).to_be_visible(timeout=90_000)
+        page.evaluate(CALM)
     yield page
     ARTIFACTS.mkdir(exist_ok=True)
     page.screenshot(path=ARTIFACTS / f"{name}.png")

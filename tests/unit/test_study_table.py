@@ -93,7 +93,7 @@ def test_another_study_may_have_a_table_that_nothing_was_kept_in(path):
 def test_another_version_of_the_code_is_refused(path, monkeypatch):
     with StudyTable(path, STUDY) as table:
         table.add(row(0))
-    monkeypatch.setattr(table_module, "_code", lambda: ["another"])
+    monkeypatch.setattr(table_module, "code_fingerprint", lambda: ("another",))
     with pytest.raises(TableUnusable, match="version of Becalm"):
         StudyTable(path, STUDY)
 

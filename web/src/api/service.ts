@@ -1,6 +1,7 @@
 /** Every request that the console makes of the service; each returns the body or throws a `Refusal`. */
 import createClient from "openapi-fetch";
 import type { paths } from "../client/schema";
+import { patience } from "./patience";
 import { noAnswer, refusalOf } from "./refusal";
 import type {
   CommandAnswer,
@@ -46,7 +47,7 @@ async function nothingOf(reply: Promise<Reply<unknown>>): Promise<null> {
   return null;
 }
 
-const within = (milliseconds: number) => ({ signal: AbortSignal.timeout(milliseconds) });
+const within = (milliseconds: number) => ({ signal: patience(milliseconds) });
 
 export const readHealth = (): Promise<Health> => bodyOf(client.GET("/api/v1/health", within(2000)));
 

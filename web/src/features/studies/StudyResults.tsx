@@ -1,9 +1,11 @@
 /** How often each class came out, and how far that agrees with the paper. */
 import { Panel } from "../../app/Panel";
 import type { StudyDetail } from "../../api/types";
-import { fixed } from "../../units/units";
+import { fixed, plain, shown } from "../../units/units";
 import { lookOf } from "./palette";
 import styles from "./StudiesPage.module.css";
+
+const digits = (value: number): string => plain(Number(value.toPrecision(3)));
 
 const percent = (share: number): string => `${fixed(100 * share, 1)} %`;
 
@@ -40,6 +42,25 @@ export function StudyResults({ study }: { readonly study: StudyDetail }) {
           ))}
         </tbody>
       </table>
+      {study.measures.length > 0 && (
+        <table className={styles.table}>
+          <caption>Means of the sample, with their 95 % confidence interval</caption>
+          <tbody>
+            {study.measures.map(({ measure, unit, mean }) => (
+              <tr key={measure}>
+                <td>
+                  {measure.replaceAll("_", " ")}
+                  {unit !== "1" && ` [${shown(unit, "rad").unit}]`}
+                </td>
+                <td>{digits(mean.value)}</td>
+                <td>
+                  <small>{mean.low !== null && mean.high !== null && `${digits(mean.low)} – ${digits(mean.high)}`}</small>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
       {study.agreement !== null && study.agreement.length > 0 && (
         <table className={styles.table}>
           <caption>Agreement with the paper, at the first closure</caption>

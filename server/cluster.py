@@ -1,0 +1,118 @@
+"""Studies on a Dask cluster: the workers behind a scheduler's address as one `concurrent.futures.Executor`.
+
+A worker that dies costs no cell: the scheduler hands its cells to another. One that runs other code than this
+process is refused, since rows of two versions must not meet in one table.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from functools import partial
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from sim.errors import ConfigError
+from sim.study.executors import Workers, WorkersUnavailable
+from sim.study.table import code_fingerprint
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
+
+CONNECTING_TIME = 10.0
+"""For the scheduler to answer, and again for a worker to be there [s]."""
+
+
+def cluster_workers(scheduler: str) -> Workers:
+    """The workers of the Dask scheduler at that address, which now has at least one.
+
+    Raises:
+        ConfigError: the address cannot be one.
+        WorkersUnavailable: Dask is not installed, nothing answers there, there is no worker, or one runs other code.
+
+    """
+    if not ADDRESS.fullmatch(scheduler):
+        raise ConfigError(f"scheduler = {scheduler!r} is no address of a Dask scheduler; write tcp://HOST:8786")
+    with ClusterExecutor(scheduler) as executor:
+        threads = executor.threads
+    return Workers(partial(ClusterExecutor, scheduler), threads, f"{threads} threads of the cluster at {scheduler}")
+
+
+class ClusterExecutor(Executor):
+    """Runs functions on the cluster; connects when it is made, and lets go of the cluster when it is shut down."""
+
+    def __init__(self, scheduler: str) -> None:
+        """Connect, and see that there are workers with this process's code.
+
+        Raises:
+            WorkersUnavailable: see `cluster_workers`.
+
+        """
+        self._client = _connected(scheduler)
+        try:
+            self._require_same_code(scheduler)
+        except BaseException:
+            self._client.close(CONNECTING_TIME)
+            raise
+        self._executor = self._client.get_executor(pure=False)
+
+    @property
+    def threads(self) -> int:
+        """Cells that all its workers can fly at a time, now."""
+        return sum(self._client.nthreads().values())
+
+    def submit(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_R]:
+        """As every executor; a worker that joined later is asked for its code as well."""
+        future: Future[_R] = self._executor.submit(_run_same_code, code_fingerprint(), function, *args, **kwargs)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Wait for what has been submitted, or give it up, and disconnect."""
+        self._executor.shutdown(wait=wait and not cancel_futures)
+        self._client.close(CONNECTING_TIME)
+
+    def _require_same_code(self, scheduler: str) -> None:
+        try:
+            self._client.wait_for_workers(1, timeout=CONNECTING_TIME)
+        except TimeoutError:
+            what = f"the Dask scheduler at {scheduler} has no worker"
+            raise WorkersUnavailable(what, tip=f"start some: dask worker {scheduler} --nthreads 1") from None
+        found: dict[str, Any] = self._client.run(_worker_code, on_error="return")
+        for worker, code in found.items():
+            if code != code_fingerprint():
+                raise _other_code(worker, code)
+
+
+def _connected(scheduler: str) -> Client:
+    try:
+        from distributed import Client  # noqa: PLC0415 - an extra, and a second to load
+    except ImportError:
+        tip = "install it with: pip install 'becalm[cluster]'"
+        raise WorkersUnavailable("Dask is not installed", tip=tip) from None
+    try:
+        return Client(scheduler, timeout=CONNECTING_TIME, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        tip = "start one (dask scheduler), or see whether its address and port are right"
+        raise WorkersUnavailable(f"no Dask scheduler answers at {scheduler} ({error})", tip=tip) from None
+
+
+def _worker_code() -> tuple[str, ...]:
+    return code_fingerprint()
+
+
+def _run_same_code(code: tuple[str, ...], function: Callable[_P, _R], *args: _P.args, **kwargs: _P.kwargs) -> _R:
+    """On the worker."""
+    if code_fingerprint() != code:
+        raise _other_code("a worker that joined", code_fingerprint())
+    return function(*args, **kwargs)
+
+
+def _other_code(worker: str, code: object) -> WorkersUnavailable:
+    has = f"cannot run Becalm ({code})" if isinstance(code, Exception) else f"has other code ({code})"
+    what = f"{worker} {has}; this process has {code_fingerprint()}"
+    return WorkersUnavailable(what, tip="install the same version of Becalm and of its requirements on every worker")
