@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 
+from becalm.tokens import token
 from server.settings import Settings
 from server.versions import becalm_version
 from sim.configurations import (
@@ -151,6 +152,9 @@ def _configured(command: Any) -> Any:
 def _changes(file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
     """The nested changes that a file and then the single settings make."""
     return reduce(merged, map(parse_setting, settings), read_config_file(file) if file else {})
+
+
+main.add_command(token)
 
 
 @main.command(epilog=SERVE_EXAMPLES)

@@ -1,8 +1,9 @@
-"""How fast a study flies: `python -m benchmarks.study`, by hand; about a minute on two cores.
+"""How fast a study flies: `python -m benchmarks.study`, by hand; about two minutes on two cores.
 
-Cells and simulated seconds a second of the published study on all cores, and what of the cores' time is flying:
-the processor time that cells take in one process over the workers' time. mission.md asks for all 484 cells in under two
-minutes on two cores. `--cells N` flies that many, spread over the study.
+Cells and simulated seconds a second of the published study on all cores, how much faster that is than one worker,
+and what the workers' time goes into: physics, control, the rest of a tick (`benchmarks.simulation` tells these
+apart), and what is not flying at all: starting processes, the caging test, rows on their way. mission.md asks for
+all 484 cells in under two minutes on two cores. `--cells N` flies that many, spread over the study.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import time
 
 import numpy as np
 
+from benchmarks.simulation import tick_shares
 from sim.capture.mission import prepare
 from sim.study.cores import cores
 from sim.study.executors import fly_cells, local_workers
@@ -34,17 +36,25 @@ def tasks(count: int) -> list[CellTask]:
     return [CellTask(study.base, study.direct, study.cell(int(place))) for place in places]
 
 
+def flown(cells: int, workers: int) -> tuple[list[Row], float]:
+    """The rows of so many cells, and the wall time they took [s]."""
+    rows: list[Row] = []
+    before = time.perf_counter()
+    fly_cells(tasks(cells), rows.append, local_workers(workers).open_executor, at_once=2 * workers)
+    return rows, time.perf_counter() - before
+
+
 def measured(cells: int, workers: int) -> dict[str, float]:
     """Speeds of a study, and how much of the workers' time its cells take."""
     before = time.process_time()
     alone = [fly_cell(task)["duration"] for task in tasks(ALONE)]
     speed_alone = sum(alone) / (time.process_time() - before)
-    rows: list[Row] = []
-    before = time.perf_counter()
-    fly_cells(tasks(cells), rows.append, local_workers(workers).open_executor, at_once=2 * workers)
-    wall_time = time.perf_counter() - before
+    rows, wall_time = flown(cells, workers)
+    _, time_of_one = flown(cells, 1)
     simulated = sum(row["duration"] for row in rows)
-    whole = PUBLISHED_STUDY.count / cells * wall_time
+    flying = simulated / speed_alone / (workers * wall_time)
+    tick = tick_shares()
+    physics, control = tick["plant, with that step"], tick["controller"]
     return {
         "workers": workers,
         "cells": len(rows),
@@ -52,8 +62,12 @@ def measured(cells: int, workers: int) -> dict[str, float]:
         "cells a second": len(rows) / wall_time,
         "simulated seconds a second": simulated / wall_time,
         "simulated seconds a second of one core without workers": speed_alone,
-        "share of the workers' time that the cells need alone": simulated / speed_alone / (workers * wall_time),
-        "all 484 cells, s": whole,
+        "times as fast as one worker": time_of_one / wall_time,
+        "share of the workers' time: physics": flying * physics,
+        "share of the workers' time: control": flying * control,
+        "share of the workers' time: judge, rows and events of a tick": flying * (1.0 - physics - control),
+        "share of the workers' time: not flying": 1.0 - flying,
+        "all 484 cells, s": PUBLISHED_STUDY.count / cells * wall_time,
         **{f"agreement with the table of m = {table.mass:g} kg": table.share for table in agreement(rows)},
     }
 

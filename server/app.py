@@ -6,15 +6,23 @@ import asyncio
 import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 
 from server import scene_proxy
-from server.api import PREFIX, config, health, mission, problem_json, runs, studies, telemetry
+from server.access.attempts import Attempts
+from server.access.audit import AuditLog
+from server.access.guard import Access, Guard
+from server.access.headers import SecurityHeaders
+from server.access.tokens import TokenStore
+from server.api import PREFIX, config, health, mission, problem_json, runs, session, studies, telemetry
+from server.api.bodies import JsonBodies
 from server.api.origin import SameOrigin
 from server.api.services import Services
+from server.cluster import cluster_workers
 from server.console import serve_console
 from server.feed import Feed
 from server.loop import MissionLoop
@@ -28,9 +36,14 @@ from server.settings import Settings
 from server.studies import StudyStore
 from server.study_queue import StudyQueue
 from server.versions import becalm_version
+from sim.errors import ConfigError
+from sim.study.executors import Workers, local_workers
 
 SWITCH_INTERVAL = 5e-4
 """Longest time that another thread keeps Python from the mission thread [s]; Python's own default is 5 ms."""
+
+STUDY_NICENESS = 10
+"""Of the processes that fly studies on this machine: the live mission's clock comes first."""
 
 DESCRIPTION = """Mission console for a dual-arm free-flying robot that detumbles and cages spinning debris.
 
@@ -52,7 +65,7 @@ def create_app(settings: Settings) -> FastAPI:
     """The service with these settings.
 
     Raises:
-        ConfigError: the configuration that it should open with cannot be.
+        ConfigError: the configuration that it should open with cannot be, or nobody could sign in.
 
     """
     initial = settings.initial_config()
@@ -61,8 +74,9 @@ def create_app(settings: Settings) -> FastAPI:
     recorder = Recorder(store)
     loop = MissionLoop(settings.configuration, initial, feed, recorder)
     studies = StudyStore(settings.data_dir / "studies")
-    study_queue = StudyQueue(studies, settings.find_workers)
-    services = Services(settings, feed, loop, store, ScriptedRuns(store), studies, study_queue)
+    study_queue = StudyQueue(studies, partial(_study_workers, settings))
+    access = _access(settings)
+    services = Services(settings, access, feed, loop, store, ScriptedRuns(store), studies, study_queue)
     projector = Projector(Scene(initial), feed, loop)
 
     app = Service(
@@ -76,9 +90,41 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.services = services
     problem_json.install(app)
+    app.add_middleware(JsonBodies)
+    app.add_middleware(Guard, access=access)
     app.add_middleware(SameOrigin, hosts=settings.own_hosts())
+    app.add_middleware(SecurityHeaders)
     _route(app)
     return app
+
+
+def _study_workers(settings: Settings) -> Workers:
+    """What flies studies now.
+
+    Raises:
+        WorkersUnavailable: the cluster cannot.
+
+    """
+    if settings.scheduler is not None:
+        return cluster_workers(settings.scheduler)
+    return local_workers(settings.study_workers, STUDY_NICENESS)
+
+
+def _access(settings: Settings) -> Access:
+    """Whom the service lets in.
+
+    Raises:
+        ConfigError: tokens are needed, and there is none.
+
+    """
+    folder = settings.data_dir / "access"
+    tokens = TokenStore(folder, settings.admin_token_file)
+    if settings.tokens_required and not tokens.any_valid:
+        raise ConfigError(
+            f"host = {settings.host!r}: the service asks for tokens there, and nobody has one",
+            tip="becalm token create NAME --role admin makes one; BECALM_REQUIRE_TOKENS=false lets everyone in",
+        )
+    return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"))
 
 
 def _lifespan(
@@ -87,6 +133,7 @@ def _lifespan(
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         sys.setswitchinterval(SWITCH_INTERVAL)
+        services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
         recorder.start()
         services.loop.start()
@@ -106,13 +153,14 @@ def _lifespan(
             recorder.shutdown()
             services.scripted.shutdown()
             services.study_queue.shutdown()
+            services.access.audit.shutdown()
 
     return lifespan
 
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, mission, config, runs, studies, telemetry):
+    for resource in (health, session, mission, config, runs, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(scene_proxy.router)

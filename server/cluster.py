@@ -12,6 +12,7 @@ from concurrent.futures import Executor, Future
 from functools import partial
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
+from server.settings import SCHEDULER_ADDRESS
 from sim.errors import ConfigError
 from sim.study.executors import Workers, WorkersUnavailable
 from sim.study.table import code_fingerprint
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
-
-ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
 
 CONNECTING_TIME = 10.0
 """For the scheduler to answer, and again for a worker to be there [s]."""
@@ -36,7 +35,7 @@ def cluster_workers(scheduler: str) -> Workers:
         WorkersUnavailable: Dask is not installed, nothing answers there, there is no worker, or one runs other code.
 
     """
-    if not ADDRESS.fullmatch(scheduler):
+    if not re.match(SCHEDULER_ADDRESS, scheduler):
         raise ConfigError(f"scheduler = {scheduler!r} is no address of a Dask scheduler; write tcp://HOST:8786")
     with ClusterExecutor(scheduler) as executor:
         threads = executor.threads

@@ -14,6 +14,8 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
+from server.access.headers import content_policy, inline_scripts
+
 STATIC = Path(__file__).parent / "static"
 """Where the web build puts it."""
 
@@ -49,13 +51,16 @@ def serve_console(app: FastAPI, static: Path = STATIC) -> None:
 
 async def _docs() -> HTMLResponse:
     """From files of our own: it works offline."""
-    return get_swagger_ui_html(
+    page = get_swagger_ui_html(
         openapi_url="/openapi.json",
         title="Becalm API",
         swagger_js_url="/swagger/swagger-ui-bundle.js",
         swagger_css_url="/swagger/swagger-ui.css",
         swagger_favicon_url="/favicon.svg",
     )
+    scripts = inline_scripts(bytes(page.body))
+    page.headers["Content-Security-Policy"] = content_policy(f"script-src 'self' {scripts}")
+    return page
 
 
 async def _not_built() -> None:

@@ -23,6 +23,7 @@ import numpy as np
 from mcap.records import ChunkIndex
 from pydantic import Field
 
+from server.files import replace_file
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.topics import CDR_TICK
@@ -178,21 +179,7 @@ def write_remarks(folder: Path, remarks: Remarks) -> None:
 
 
 def _replace(path: Path, content: Published) -> None:
-    draft = path.with_name(path.name + ".draft")
-    with draft.open("wb") as file:
-        file.write(content.model_dump_json(indent=2).encode())
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(path)
-    _sync_folder(path.parent)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Have the disk know the names in a folder, too."""
-    if os.name != "nt":
-        descriptor = os.open(folder, os.O_RDONLY)
-        os.fsync(descriptor)
-        os.close(descriptor)
+    replace_file(path, content.model_dump_json(indent=2).encode())
 
 
 class _WholeWrites:

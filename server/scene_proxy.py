@@ -20,6 +20,8 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
+from server.access.headers import content_policy, inline_scripts
+
 router = APIRouter(include_in_schema=False)
 
 ANSWER_TIMEOUT = 5.0
@@ -30,11 +32,12 @@ TRY_AGAIN_LATER = 1013
 GONE = (ConnectionClosed, WebSocketDisconnect, RuntimeError)
 """How a side that went away shows itself: websockets' word for it, and Starlette's two."""
 
-PAGE_HEADERS = {
-    "Cache-Control": "no-cache",
-    # Shown inside our own console only, never inside another site's page.
-    "Content-Security-Policy": "frame-ancestors 'self'",
-}
+SCENE_SOURCES = (
+    # viser's page is one file: its script unpacks the real one, which evaluates strings and starts workers.
+    "script-src 'strict-dynamic' 'unsafe-eval' {scripts}",
+    "worker-src 'self' blob:",
+    "connect-src 'self' data: blob:",
+)
 
 HEAD = """<script>
 if (!new URLSearchParams(location.search).has("darkMode"))
@@ -66,7 +69,12 @@ async def scene_page(request: Request, path: str) -> Response:
         raise HTTPException(503, f"the 3D scene does not answer: {error}") from None
     kind = answer.headers.get("content-type", "application/octet-stream")
     body = answer.content if path else dressed(answer.content)
-    return Response(body, answer.status_code, PAGE_HEADERS, kind)
+    return Response(body, answer.status_code, _page_headers(body if not path else b""), kind)
+
+
+def _page_headers(page: bytes) -> dict[str, str]:
+    sources = (source.format(scripts=inline_scripts(page)) for source in SCENE_SOURCES)
+    return {"Cache-Control": "no-cache", "Content-Security-Policy": content_policy(*sources)}
 
 
 def dressed(page: bytes) -> bytes:

@@ -10,18 +10,15 @@ from typing import Any, Literal, Self
 from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from server.cluster import ADDRESS, cluster_workers
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.errors import ConfigError
 from sim.study.cores import cores
-from sim.study.executors import Workers, local_workers
 
 ENVIRONMENT_PREFIX = "BECALM_"
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
-STUDY_NICENESS = 10
-"""Of the processes that fly studies on this machine: the live mission's clock comes first."""
+SCHEDULER_ADDRESS = r"^(tcp|tls|ws|wss)://[^\s/]+:\d+$"
 
 TELEMETRY_RATE_LIMITS = (1.0, 60.0)
 """Snapshots a second that a client may ask for; the mission is published no faster than the upper one."""
@@ -53,9 +50,13 @@ class Settings(BaseModel):
     )
     scheduler: str | None = Field(
         None,
-        pattern=rf"^{ADDRESS.pattern}$",
+        pattern=SCHEDULER_ADDRESS,
         description="Dask scheduler whose workers fly studies, tcp://HOST:8786; none: processes on this machine",
     )
+    require_tokens: bool | None = Field(
+        None, description="Whether a token is needed; none: beyond loopback it is, on loopback it is not"
+    )
+    admin_token_file: Path | None = Field(None, description="File that holds an administrator's token")
     allowed_hosts: tuple[str, ...] = Field(
         (), description="Host names that requests may use; empty: loopback's on loopback, any elsewhere"
     )
@@ -87,16 +88,10 @@ class Settings(BaseModel):
         """
         return revised(named_configuration(self.configuration), self.changes)
 
-    def find_workers(self) -> Workers:
-        """What flies studies now.
-
-        Raises:
-            WorkersUnavailable: the cluster cannot.
-
-        """
-        if self.scheduler is not None:
-            return cluster_workers(self.scheduler)
-        return local_workers(self.study_workers, STUDY_NICENESS)
+    @property
+    def tokens_required(self) -> bool:
+        """Whether a token is needed."""
+        return self.host not in LOOPBACK_NAMES if self.require_tokens is None else self.require_tokens
 
     def own_hosts(self) -> tuple[str, ...]:
         """The host names that a request may be addressed to; empty for any."""

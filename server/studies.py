@@ -7,7 +7,6 @@ rows.sqlite   the table of the cells, a row as each ends (`sim.study.table`)
 from __future__ import annotations
 
 import logging
-import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from typing import Any, Literal
 
 from pydantic import Field, JsonValue, ValidationError
 
+from server.files import replace_file
 from server.problems import StudyNotFound
 from server.run_folder import wall_clock
 from server.runs import new_run_id
@@ -131,13 +131,7 @@ class StudyStore:
 
     def _write(self, record: StudyRecord) -> None:
         """After a crash there is the old record or the new one."""
-        path = self.root / record.id / RECORD_NAME
-        draft = path.with_name(RECORD_NAME + ".draft")
-        with draft.open("wb") as file:
-            file.write(record.model_dump_json(indent=2).encode())
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
+        replace_file(self.root / record.id / RECORD_NAME, record.model_dump_json(indent=2).encode())
 
     def _folder(self, study_id: str) -> Path:
         folder = self.root / study_id

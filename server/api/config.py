@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.mission import answered
 from server.api.problem_json import responses
-from server.api.services import Services, ServicesDep
+from server.api.services import AskerDep, Services, ServicesDep
 from server.inbox import Request
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
@@ -86,13 +86,14 @@ async def config(services: ServicesDep) -> ConfigBody:
 @router.patch("/mission/config", responses=responses(409, 422, 503, 504))
 async def change_config(
     services: ServicesDep,
+    asker: AskerDep,
     changes: Annotated[
         dict[str, Any],
         Body(description="Nested, only what changes", examples=[{"control": {"impedance": {"damping": 3.0}}}]),
     ],
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
-    await answered(services, Request("configure", changes=changes))
+    await answered(services, Request("configure", who=asker, changes=changes))
     return _body(services)
 
 

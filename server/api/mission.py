@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.problem_json import responses
-from server.api.services import Services, ServicesDep
+from server.api.services import AskerDep, Services, ServicesDep
 from server.history import History
 from server.inbox import CommandAnswer, Request
 from server.problems import LoopSilent
@@ -82,18 +82,18 @@ async def history(
 
 
 @router.post("/commands", responses=responses(409, 422, 504))
-async def command(services: ServicesDep, body: CommandRequest) -> CommandAnswer:
+async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) -> CommandAnswer:
     """Ask something of the mission; the answer says what the mission thread did."""
     ticks = body.ticks or 1
-    request = Request(body.command, speed=body.speed, ticks=ticks, configuration=body.configuration)
+    request = Request(body.command, who=asker, speed=body.speed, ticks=ticks, configuration=body.configuration)
     patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
     return await answered(services, request, patience)
 
 
 @router.post("/stop", responses=responses(504))
-async def stop(services: ServicesDep) -> CommandAnswer:
+async def stop(services: ServicesDep, asker: AskerDep) -> CommandAnswer:
     """Stop: joint rates zero, in every phase, before everything else that waits."""
-    return await answered(services, Request("stop"))
+    return await answered(services, Request("stop", who=asker))
 
 
 async def answered(services: Services, request: Request, patience: float = ANSWER_TIME) -> CommandAnswer:

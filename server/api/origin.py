@@ -6,10 +6,9 @@ from collections.abc import Collection
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
-from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from server.api.problem_json import MEDIA_TYPE, ProblemDocument
+from server.api.problem_json import ProblemDocument, problem_answer
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 
@@ -37,8 +36,7 @@ class SameOrigin:
             document = ProblemDocument(
                 title="Forbidden", status=403, detail=refusal, tip="use this service by its own address"
             )
-            answer = JSONResponse(document.model_dump(exclude_none=True), 403, media_type=MEDIA_TYPE)
-            await answer(scope, receive, send)
+            await problem_answer(document)(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> str | None:
         headers = Headers(scope=scope)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import re
+import uuid
 from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Any
@@ -37,16 +38,22 @@ STATUSES: dict[type[CaptureError], int] = {
 }
 
 _TITLES = {
+    401: "Not signed in",
+    403: "Not allowed",
     404: "Not found",
     405: "Method not allowed",
     409: "Refused",
     412: "Changed meanwhile",
+    413: "Too large",
+    415: "Not JSON",
     422: "Invalid value",
+    429: "Too many attempts",
     503: "Not now",
     504: "No answer",
 }
 
 _TIPS = {
+    401: "`becalm token create` makes one, `becalm token list` tells which there are",
     404: "/docs lists every address",
     405: "/docs lists every address with its methods",
     422: "/docs shows what is expected",
@@ -74,6 +81,7 @@ class ProblemDocument(BaseModel):
     type: str = "about:blank"
     title: str = Field(examples=["Refused"])
     status: int = Field(examples=[409])
+    instance: str | None = Field(None, description="Of 500: under which the service's log tells more")
     detail: str = Field(examples=["release is refused in phase idle: nothing is under way yet"])
     tip: str = Field("", description="What a person can do about it")
     errors: list[Finding] | None = Field(None, description="Of 422: each value that cannot be")
@@ -102,7 +110,8 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _unexpected)
 
 
-def _answer(document: ProblemDocument, headers: dict[str, str] | None = None) -> JSONResponse:
+def problem_answer(document: ProblemDocument, headers: dict[str, str] | None = None) -> JSONResponse:
+    """The document as an answer."""
     content = document.model_dump(mode="json", exclude_none=True)
     return JSONResponse(content, document.status, headers=headers, media_type=MEDIA_TYPE)
 
@@ -119,7 +128,7 @@ async def _refused(_: Request, error: Exception) -> JSONResponse:
         cells=error.cells if isinstance(error, ConfirmationNeeded) else None,
         estimated_time=error.estimated_time if isinstance(error, ConfirmationNeeded) else None,
     )
-    return _answer(document, {"Retry-After": "1"} if status == 503 else None)
+    return problem_answer(document, {"Retry-After": "1"} if status == 503 else None)
 
 
 def _config_findings(error: ConfigError) -> list[Finding]:
@@ -157,7 +166,7 @@ async def _invalid(_: Request, error: Exception) -> JSONResponse:
     findings = [_request_finding(each) for each in error.errors()]
     detail = "; ".join(map(_in_words, findings))
     document = ProblemDocument(title=_TITLES[422], status=422, detail=detail, tip=_TIPS[422], errors=findings)
-    return _answer(document)
+    return problem_answer(document)
 
 
 def _request_finding(error: Any) -> Finding:
@@ -187,16 +196,18 @@ async def _http_error(_: Request, error: Exception) -> Response:
         return Response(status_code=304, headers=error.headers)
     title = _TITLES.get(status, HTTPStatus(status).phrase)
     document = ProblemDocument(title=title, status=status, detail=str(error.detail), tip=_TIPS.get(status, ""))
-    return _answer(document, dict(error.headers or {}))
+    return problem_answer(document, dict(error.headers or {}))
 
 
 async def _unexpected(_: Request, error: Exception) -> JSONResponse:
-    log.error("an unexpected error", exc_info=error)
-    return _answer(
+    name = uuid.uuid4().hex[:12]
+    log.error("an unexpected error, %s", name, exc_info=error)
+    return problem_answer(
         ProblemDocument(
             title="Failed",
             status=500,
             detail=f"{type(error).__name__}: an error that Becalm did not expect",
-            tip="the service's log tells more; please report it",
+            tip=f"the service's log tells more under {name}; please report it",
+            instance=f"urn:becalm:error:{name}",
         )
     )

@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from server.access.guard import Access, holder_of
 from server.feed import Feed
 from server.loop import MissionLoop
 from server.runs import RunStore
@@ -22,6 +23,7 @@ class Services:
     """One of each."""
 
     settings: Settings
+    access: Access
     feed: Feed
     loop: MissionLoop
     store: RunStore
@@ -36,3 +38,13 @@ def _services(connection: HTTPConnection) -> Services:
 
 
 ServicesDep = Annotated[Services, Depends(_services)]
+
+
+def _asker(connection: HTTPConnection) -> str:
+    holder = holder_of(connection)
+    assert holder is not None, "the guard lets nobody in here without one"
+    return holder.name
+
+
+AskerDep = Annotated[str, Depends(_asker)]
+"""The name of who asks, as the mission's log keeps it."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, NamedTuple
 
 import httpx
@@ -101,8 +102,8 @@ class Served(NamedTuple):
         return f"http://127.0.0.1:{self.port}/api/v1"
 
 
-@pytest.fixture
-def served(settings):
+@contextmanager
+def _serving(settings: Settings) -> Iterator[Served]:
     app = create_app(settings)
     with bound_socket("127.0.0.1", 0) as bound:
         config = uvicorn.Config(app, log_level="warning", ws_per_message_deflate=False, timeout_graceful_shutdown=1)
@@ -116,3 +117,15 @@ def served(settings):
         server.should_exit = True
         thread.join(PATIENCE)
         assert not thread.is_alive()
+
+
+@pytest.fixture(scope="session")
+def serving() -> Callable[[Settings], AbstractContextManager[Served]]:
+    """Starts a service with other settings."""
+    return _serving
+
+
+@pytest.fixture
+def served(settings) -> Iterator[Served]:
+    with _serving(settings) as running:
+        yield running

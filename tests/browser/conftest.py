@@ -76,24 +76,30 @@ def _wait_until_ready(service: Service) -> None:
     pytest.fail(f"becalm serve is not ready after {PREPARING_TIME:g} s: {status}")
 
 
-@pytest.fixture(scope="session")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+@contextmanager
+def running(data: Path, log: Path, **environment: str) -> Iterator[Service]:
     """`becalm serve` on a free port with a data folder of its own, ready to fly."""
     assert CONSOLE.exists(), "the console is not built: pip install -e . builds it into server/static"
     port = _free_port()
-    environment = {**os.environ, "BECALM_DATA_DIR": str(tmp_path_factory.mktemp("data"))}
-    log = (tmp_path_factory.mktemp("log") / "serve.log").open("wb")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "becalm", "serve", "--port", str(port)], env=environment, stdout=log, stderr=log
-    )
-    running = Service(f"http://127.0.0.1:{port}", process)
-    try:
-        _wait_until_ready(running)
-        yield running
-    finally:
-        process.terminate()
-        process.wait(timeout=20)
-        log.close()
+    environment = {**os.environ, "BECALM_DATA_DIR": str(data), **environment}
+    with log.open("wb") as said:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "becalm", "serve", "--port", str(port)], env=environment, stdout=said, stderr=said
+        )
+        service = Service(f"http://127.0.0.1:{port}", process)
+        try:
+            _wait_until_ready(service)
+            yield service
+        finally:
+            process.terminate()
+            process.wait(timeout=20)
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """One that everybody on this machine may use."""
+    with running(tmp_path_factory.mktemp("data"), tmp_path_factory.mktemp("log") / "serve.log") as service:
+        yield service
 
 
 @pytest.fixture(scope="session")

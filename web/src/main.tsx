@@ -13,6 +13,7 @@ import "@mantine/core/styles/SegmentedControl.css";
 import "@mantine/core/styles/InlineInput.css";
 import "@mantine/core/styles/Checkbox.css";
 import "@mantine/core/styles/Switch.css";
+import "@mantine/core/styles/PasswordInput.css";
 import "@mantine/core/styles/Progress.css";
 import "uplot/dist/uPlot.min.css";
 import "./theme/fonts.css";

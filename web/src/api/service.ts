@@ -18,6 +18,7 @@ import type {
   StudyPage,
   StudyRequest,
   StudyRowPage,
+  Session,
 } from "./types";
 
 const client = createClient<paths>({ baseUrl: "" });
@@ -48,6 +49,13 @@ async function nothingOf(reply: Promise<Reply<unknown>>): Promise<null> {
 }
 
 const within = (milliseconds: number) => ({ signal: patience(milliseconds) });
+
+export const readSession = (): Promise<Session> => bodyOf(client.GET("/api/v1/session", within(ANSWER_TIME)));
+
+export const signIn = (token: string): Promise<Session> =>
+  bodyOf(client.POST("/api/v1/session", { body: { token }, ...within(ANSWER_TIME) }));
+
+export const signOut = (): Promise<null> => nothingOf(client.DELETE("/api/v1/session", within(ANSWER_TIME)));
 
 export const readHealth = (): Promise<Health> => bodyOf(client.GET("/api/v1/health", within(2000)));
 

@@ -9,6 +9,8 @@ type Answer<Operation> = Operation extends { responses: infer Responses }
 type Request<Operation> = Operation extends { requestBody: { content: { "application/json": infer Body } } } ? Body : never;
 
 export type MissionSnapshot = Answer<paths["/api/v1/mission"]["get"]>;
+export type Session = Answer<paths["/api/v1/session"]["get"]>;
+export type Role = NonNullable<Session["role"]>;
 export type Health = Answer<paths["/api/v1/health"]["get"]>;
 export type CommandRequest = Request<paths["/api/v1/mission/commands"]["post"]>;
 export type CommandAnswer = Answer<paths["/api/v1/mission/commands"]["post"]>;

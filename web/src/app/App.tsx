@@ -1,5 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { useState } from "react";
+import { AccessContext, useAccess, useAccessState } from "../features/access/session";
+import { SignIn } from "../features/access/SignIn";
 import { DeskContext } from "../features/commands/context";
 import { CommandDesk } from "../features/commands/desk";
 import { ConfigurationContext, useConfigurationState } from "../store/configuration";
@@ -22,15 +24,32 @@ function Mission() {
   );
 }
 
-export function App() {
+/** The live mission, connected to as long as this stands. */
+function Console() {
   const store = useLiveMission();
+  return (
+    <StoreContext value={store}>
+      <Mission />
+    </StoreContext>
+  );
+}
+
+/** Nothing before the service has said who one is; the sign-in if it asks for a token. */
+function Gate() {
+  const { session } = useAccess();
+  if (session === null) return null;
+  return session.token_needed && session.role === null ? <SignIn /> : <Console />;
+}
+
+export function App() {
+  const access = useAccessState();
   const preferences = usePreferencesState();
   return (
     <MantineProvider theme={theme} cssVariablesResolver={surfaces} defaultColorScheme="dark">
       <PreferencesContext value={preferences}>
-        <StoreContext value={store}>
-          <Mission />
-        </StoreContext>
+        <AccessContext value={access}>
+          <Gate />
+        </AccessContext>
       </PreferencesContext>
     </MantineProvider>
   );

@@ -1,4 +1,5 @@
 import { ActionIcon, SegmentedControl, Tooltip, useMantineColorScheme } from "@mantine/core";
+import { Identity } from "../features/access/Identity";
 import { StopButton } from "../features/commands/StopButton";
 import { isPhase, PHASE_WORDS } from "../store/phases";
 import { useSnapshot } from "../store/context";
@@ -93,6 +94,7 @@ export function TopBar({ page }: { readonly page: Page }) {
       <Pages shown={page} />
       <MissionFacts phased={page !== "mission"} />
       <div className={styles.tools}>
+        <Identity />
         <LinkState />
         <AngleSwitch />
         <ThemeSwitch />

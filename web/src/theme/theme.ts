@@ -23,6 +23,7 @@ export const theme = createTheme({
     Button: { defaultProps: { size: "xs", variant: "default" } },
     ActionIcon: { defaultProps: { size: 28, variant: "default" } },
     NativeSelect: { defaultProps: { size: "xs" } },
+    PasswordInput: { defaultProps: { size: "md" } },
     TextInput: { defaultProps: { size: "xs" } },
     SegmentedControl: { defaultProps: { size: "xs" } },
     Tooltip: {

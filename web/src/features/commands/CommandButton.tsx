@@ -4,6 +4,7 @@ import type { CommandRequest } from "../../api/types";
 import { useView } from "../../store/context";
 import type { MissionView } from "../../store/mission";
 import { Icon, type Sign } from "../../theme/Icon";
+import { useReasonByRole } from "../access/session";
 import type { CommandWords } from "./catalogue";
 import { useDesk, useDeskView } from "./context";
 
@@ -23,7 +24,9 @@ interface CommandButtonProps extends ButtonProps {
 
 export function CommandButton({ words, sign, request = {}, ...button }: CommandButtonProps) {
   const desk = useDesk();
-  const reason = useView((view) => reasonAgainst(view, words.command));
+  const byRole = useReasonByRole("operator");
+  const byMission = useView((view) => reasonAgainst(view, words.command));
+  const reason = byRole ?? byMission;
   const waiting = useDeskView((view) => view.waiting.has(words.command));
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);

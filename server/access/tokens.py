@@ -1,0 +1,163 @@
+"""Access tokens: created and revoked by the command line, hashed at rest, looked up with every request.
+
+A token is 256 random bits. Nobody can guess one or find it by its SHA-256, so that a slow password hash would
+only make every request slow. The file is replaced as a whole, and read again when it has changed: a running
+service knows a new or a revoked token with the next request.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from server.access.roles import Role
+from server.files import replace_file
+from sim.errors import ConfigError
+
+NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}"
+PREFIX = "becalm_"
+SHORTEST_SECRET = 32
+"""Characters of a token that comes from a file; those made here have 50."""
+
+ADMIN_NAME = "admin"
+"""Whose token the file of `BECALM_ADMIN_TOKEN_FILE` holds."""
+
+
+class Holder(NamedTuple):
+    """Who asks, and what they may."""
+
+    name: str
+    role: Role
+
+
+class Token(BaseModel):
+    """What is kept of a token: everything but the token."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str = Field(pattern=f"^{NAME}$")
+    role: Role
+    digest: str = Field(description="SHA-256, hexadecimal")
+    created: datetime
+    expires: datetime | None
+
+    @property
+    def expired(self) -> bool:
+        """Whether it no longer holds."""
+        return self.expires is not None and self.expires <= datetime.now(UTC)
+
+
+class _TokenFile(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    version: int = 1
+    tokens: tuple[Token, ...] = ()
+
+
+class TokenStore:
+    """The tokens of one data folder, and perhaps an administrator's from a file of its own."""
+
+    def __init__(self, folder: Path, admin_file: Path | None = None) -> None:
+        """Read nothing yet, but for the administrator's token.
+
+        Raises:
+            ConfigError: the administrator's file cannot be read, or holds no token.
+
+        """
+        self._path = folder / "tokens.json"
+        self._admin_digest = _digest(_secret_in(admin_file)) if admin_file is not None else None
+        self._stamp: tuple[int, int] | None = None
+        self._by_digest: dict[str, Token] = {}
+
+    def create(self, name: str, role: Role, lifetime: timedelta | None = None) -> str:
+        """Make a token; this is the only time that it is seen.
+
+        Raises:
+            ConfigError: there is one of that name, or the name cannot be one.
+
+        """
+        present = self.tokens()
+        if name == ADMIN_NAME or any(token.name == name for token in present):
+            raise ConfigError(f"name = {name!r} is taken", tip="choose another, or revoke that token first")
+        secret = PREFIX + secrets.token_urlsafe(32)
+        created = datetime.now(UTC)
+        expires = None if lifetime is None else created + lifetime
+        try:
+            token = Token(name=name, role=role, digest=_digest(secret), created=created, expires=expires)
+        except ValidationError:
+            raise ConfigError(f"name = {name!r}: write 1 to 40 letters, digits, dots, dashes or underscores") from None
+        self._write((*present, token))
+        return secret
+
+    def revoke(self, name: str) -> None:
+        """Let a token hold no longer, from the next request on.
+
+        Raises:
+            ConfigError: there is none of that name.
+
+        """
+        present = self.tokens()
+        kept = tuple(token for token in present if token.name != name)
+        if len(kept) == len(present):
+            known = ", ".join(token.name for token in present) or "none"
+            raise ConfigError(f"name = {name!r}: there is no such token; known: {known}")
+        self._write(kept)
+
+    def tokens(self) -> tuple[Token, ...]:
+        """All of them, also those that have expired."""
+        self._read_if_changed()
+        return tuple(self._by_digest.values())
+
+    @property
+    def any_valid(self) -> bool:
+        """Whether anyone could be let in."""
+        return self._admin_digest is not None or any(not token.expired for token in self.tokens())
+
+    def holder_of(self, secret: str) -> Holder | None:
+        """Whose token that is; None if it is no token, or holds no longer."""
+        digest = _digest(secret)
+        if digest == self._admin_digest:
+            return Holder(ADMIN_NAME, Role.ADMIN)
+        self._read_if_changed()
+        token = self._by_digest.get(digest)
+        return None if token is None or token.expired else Holder(token.name, token.role)
+
+    def _read_if_changed(self) -> None:
+        try:
+            status = self._path.stat()
+        except FileNotFoundError:
+            self._stamp, self._by_digest = None, {}
+            return
+        stamp = (status.st_mtime_ns, status.st_ino)
+        if stamp == self._stamp:
+            return
+        try:
+            kept = _TokenFile.model_validate_json(self._path.read_bytes())
+        except ValidationError as error:
+            tip = "restore it from a backup, or remove it and create tokens anew"
+            raise ConfigError(f"{self._path} is damaged: {error.errors()[0]['msg']}", tip=tip) from None
+        self._stamp, self._by_digest = stamp, {token.digest: token for token in kept.tokens}
+
+    def _write(self, tokens: tuple[Token, ...]) -> None:
+        self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        replace_file(self._path, _TokenFile(tokens=tokens).model_dump_json(indent=1).encode(), mode=0o600)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()
+
+
+def _secret_in(path: Path) -> str:
+    try:
+        secret = path.read_text().strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"admin_token_file = '{path}' cannot be read: {error}") from None
+    if len(secret) < SHORTEST_SECRET:
+        what = f"admin_token_file = '{path}' holds {len(secret)} characters; a token has {SHORTEST_SECRET} or more"
+        raise ConfigError(what, tip="write one with: python -c 'import secrets; print(secrets.token_urlsafe(32))'")
+    return secret

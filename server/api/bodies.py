@@ -1,0 +1,73 @@
+"""What a request may bring: JSON, and not too much of it."""
+
+from __future__ import annotations
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from server.api.problem_json import ProblemDocument, problem_answer
+
+LARGEST_BODY = 1_000_000
+"""Bytes; the largest study definition that makes sense has some thousands."""
+
+
+class JsonBodies:
+    """Answers 413 to a larger body, also one whose length is not said beforehand, and 415 to one that is not JSON."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        """In front of `app`."""
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass on one request with its body, once all of that is there, or refuse it."""
+        if scope["type"] != "http" or scope["method"] in ("GET", "HEAD", "OPTIONS"):
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        length = headers.get("content-length", "")
+        body = None if length.isdigit() and int(length) > LARGEST_BODY else await _whole(receive)
+        if body is None:
+            await _refuse(scope, receive, send, 413, f"a body has at most {LARGEST_BODY} bytes", "send less at a time")
+        elif body and not _is_json(headers.get("content-type", "")):
+            kind = headers.get("content-type", "no Content-Type")
+            await _refuse(scope, receive, send, 415, f"the body is said to be {kind}", "send application/json")
+        else:
+            await self._app(scope, _again(body, receive), send)
+
+
+async def _whole(receive: Receive) -> bytes | None:
+    """The body; None if it is too large."""
+    parts: list[bytes] = []
+    size = 0
+    while True:
+        message = await receive()
+        if message["type"] != "http.request":
+            return b"".join(parts)
+        parts.append(message.get("body", b""))
+        size += len(parts[-1])
+        if size > LARGEST_BODY:
+            return None
+        if not message.get("more_body", False):
+            return b"".join(parts)
+
+
+def _again(body: bytes, receive: Receive) -> Receive:
+    """Gives the body that has been read, then whatever comes."""
+    waiting = [body]
+
+    async def replay() -> Message:
+        if waiting:
+            return {"type": "http.request", "body": waiting.pop(), "more_body": False}
+        return await receive()
+
+    return replay
+
+
+def _is_json(content_type: str) -> bool:
+    kind = content_type.partition(";")[0].strip().lower()
+    return kind == "application/json" or kind.endswith("+json")
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, detail: str, tip: str) -> None:
+    title = "Too large" if status == 413 else "Not JSON"
+    await problem_answer(ProblemDocument(title=title, status=status, detail=detail, tip=tip))(scope, receive, send)

@@ -1,0 +1,79 @@
+"""`/session`: who one is, and signing in and out on the console's page."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, HTTPException, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.access.guard import COOKIE, address_of, holder_of
+from server.access.roles import Role
+from server.access.tokens import Holder
+from server.api.problem_json import responses
+from server.api.services import ServicesDep
+
+router = APIRouter(prefix="/session", tags=["access"])
+
+COOKIE_LIFETIME = 30 * 24 * 3600
+"""After which one signs in again [s]; a token that is revoked or expires holds no longer at once."""
+
+
+class Session(BaseModel):
+    """Who asks."""
+
+    token_needed: bool = Field(description="False where everyone who reaches the service may do everything")
+    name: str | None = Field(description="Of the token; null if none was shown, or none that holds", examples=["ana"])
+    role: Role | None = Field(description="What that name may do", examples=["operator"])
+
+
+class SignIn(BaseModel):
+    """A token, to be kept by the browser."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    token: Annotated[str, Field(min_length=1, max_length=200, description="As `becalm token create` printed it")]
+
+
+@router.get("")
+def session(services: ServicesDep, request: Request) -> Session:
+    """Who the token belongs to that this request shows."""
+    return _session(services, holder_of(request))
+
+
+@router.post("", responses=responses(401, 422, 429))
+def sign_in(services: ServicesDep, request: Request, response: Response, body: SignIn) -> Session:
+    """Keep a token in a cookie that scripts of the page cannot read and other sites cannot use."""
+    holder = services.access.tokens.holder_of(body.token)
+    if holder is None:
+        wait = services.access.attempts.failed(address_of(request.scope))
+        if wait is not None:
+            detail = "too many tokens that are none from this address"
+            raise HTTPException(429, detail, {"Retry-After": str(max(1, round(wait)))})
+        raise HTTPException(401, "that token is not known, has expired or was revoked")
+    response.set_cookie(
+        COOKIE,
+        body.token,
+        max_age=COOKIE_LIFETIME,
+        path=request.scope.get("root_path") or "/",
+        secure=request.url.scheme == "https",
+        httponly=True,
+        samesite="strict",
+    )
+    return _session(services, holder)
+
+
+@router.delete("", status_code=204)
+def sign_out(request: Request) -> Response:
+    """Forget the token; it stays valid for those who have it."""
+    response = Response(status_code=204)
+    response.delete_cookie(COOKIE, path=request.scope.get("root_path") or "/", httponly=True, samesite="strict")
+    return response
+
+
+def _session(services: ServicesDep, holder: Holder | None) -> Session:
+    return Session(
+        token_needed=services.access.required,
+        name=None if holder is None else holder.name,
+        role=None if holder is None else holder.role,
+    )
