@@ -1,0 +1,219 @@
+"""Every request that a client makes of the service, told once for the sync and the async client."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from urllib.parse import quote
+
+import httpx
+import pyarrow.parquet
+from pydantic import BaseModel
+
+from server.api.config import ConfigBody
+from server.api.health import Health
+from server.api.runs import Run, RunPage
+from server.api.studies import StudyDetail
+from server.inbox import CommandAnswer
+from server.published import MissionSnapshot
+from sim.errors import CaptureError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+T = TypeVar("T")
+M = TypeVar("M", bound=BaseModel)
+
+
+class ServiceRefused(CaptureError):
+    """The service answered with an error; `status`, and `errors` with the fields that cannot be, say which."""
+
+    def __init__(self, answer: httpx.Response) -> None:
+        try:
+            problem: dict[str, Any] = answer.json()
+        except ValueError:
+            problem = {"detail": answer.text[:200] or answer.reason_phrase}
+        super().__init__(str(problem.get("detail", answer.reason_phrase)), tip=str(problem.get("tip", "")))
+        self.status = answer.status_code
+        self.errors: list[dict[str, Any]] = problem.get("errors") or []
+
+
+class ServiceUnreachable(CaptureError):
+    """Nothing answers at the service's address, or not in time."""
+
+    def __init__(self, address: str, cause: Exception) -> None:
+        what = f"no answer from {address} ({type(cause).__name__}: {cause})"
+        super().__init__(what, tip="becalm serve starts a service; BECALM_ADDRESS says where it is")
+
+
+@dataclass(frozen=True)
+class Call(Generic[T]):
+    """One request, and how its answer is read."""
+
+    method: str
+    path: str
+    read: Callable[[httpx.Response], T]
+    body: Any = None
+    query: Mapping[str, Any] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_answer(call: Call[T], answer: httpx.Response) -> T:
+    """What the service said.
+
+    Raises:
+        ServiceRefused: it answered with an error.
+
+    """
+    if answer.is_error:
+        raise ServiceRefused(answer)
+    return call.read(answer)
+
+
+def _as(model: type[M]) -> Callable[[httpx.Response], M]:
+    return lambda answer: model.model_validate_json(answer.content)
+
+
+def _nothing(_: httpx.Response) -> None:
+    return None
+
+
+def _content(answer: httpx.Response) -> bytes:
+    return answer.content
+
+
+def _dataframe(answer: httpx.Response) -> DataFrame:
+    """A Parquet file as a DataFrame.
+
+    Raises:
+        CaptureError: pandas is not installed.
+
+    """
+    table = pyarrow.parquet.read_table(io.BytesIO(answer.content))
+    try:
+        frame: DataFrame = table.to_pandas()
+    except ImportError:
+        raise CaptureError("pandas is not installed", tip="pip install 'becalm[dataframe]'") from None
+    fields = ((field.name, (field.metadata or {}).get(b"unit")) for field in table.schema)
+    frame.attrs["units"] = {name: unit.decode() for name, unit in fields if unit is not None}
+    return frame
+
+
+def _at(*parts: str) -> str:
+    return "/".join(quote(part, safe="") for part in parts)
+
+
+def health() -> Call[Health]:
+    """Whether the service is there and ready."""
+    return Call("GET", "health", _as(Health))
+
+
+def mission() -> Call[MissionSnapshot]:
+    """The latest snapshot of the live mission; its `outcome` is None until the mission has one."""
+    return Call("GET", "mission", _as(MissionSnapshot))
+
+
+def command(
+    name: str, *, speed: float | None = None, ticks: int | None = None, configuration: str | None = None
+) -> Call[CommandAnswer]:
+    """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step."""
+    fields = {"speed": speed, "ticks": ticks, "configuration": configuration}
+    given = {key: value for key, value in fields.items() if value is not None}
+    return Call("POST", "mission/commands", _as(CommandAnswer), {"command": name, **given})
+
+
+def stop() -> Call[CommandAnswer]:
+    """Stop: joint rates zero, in every phase, before everything else that waits."""
+    return Call("POST", "mission/stop", _as(CommandAnswer))
+
+
+def config() -> Call[ConfigBody]:
+    """The configuration in force, and how it differs from the named one it began as."""
+    return Call("GET", "mission/config", _as(ConfigBody))
+
+
+def change(changes: Mapping[str, Any]) -> Call[ConfigBody]:
+    """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands."""
+    return Call("PATCH", "mission/config", _as(ConfigBody), dict(changes))
+
+
+def start_run(
+    configuration: str | None = None,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    direct: bool = False,
+    seed: int | None = None,
+    idempotency_key: str | None = None,
+) -> Call[Run]:
+    """Queue a headless run; sent again with the same key, it queues nothing and gives the same run."""
+    body: dict[str, Any] = {"changes": dict(changes or {}), "direct": direct, "seed": seed}
+    if configuration is not None:
+        body["configuration"] = configuration
+    headers = {} if idempotency_key is None else {"Idempotency-Key": idempotency_key}
+    return Call("POST", "runs", _as(Run), body, headers=headers)
+
+
+def run(run_id: str) -> Call[Run]:
+    """One run of the library."""
+    return Call("GET", _at("runs", run_id), _as(Run))
+
+
+def runs(cursor: str | None, filters: Mapping[str, Any]) -> Call[RunPage]:
+    """A page of the library."""
+    wanted = {**filters, "cursor": cursor}
+    return Call("GET", "runs", _as(RunPage), query={key: value for key, value in wanted.items() if value is not None})
+
+
+def cancel_run(run_id: str) -> Call[Run]:
+    """End a headless run that waits or flies."""
+    return Call("POST", _at("runs", run_id, "cancel"), _as(Run))
+
+
+def delete_run(run_id: str) -> Call[None]:
+    """Remove a run that has ended."""
+    return Call("DELETE", _at("runs", run_id), _nothing)
+
+
+def events(run_id: str) -> Call[list[dict[str, Any]]]:
+    """What happened in a run, in order: phases, touches, verdicts, commands with who asked."""
+    return Call("GET", _at("runs", run_id, "events"), lambda answer: answer.json())
+
+
+def log(run_id: str) -> Call[DataFrame]:
+    """Every tick of a run, a row each; the columns' units are in `attrs["units"]`. Needs pandas."""
+    return Call("GET", _at("runs", run_id, "log"), _dataframe, query={"format": "parquet"})
+
+
+def log_file(run_id: str, log_format: str) -> Call[bytes]:
+    """Every tick of a run as the content of a mcap, parquet or csv file."""
+    return Call("GET", _at("runs", run_id, "log"), _content, query={"format": log_format})
+
+
+def start_study(
+    study: str | Mapping[str, Any],
+    changes: Mapping[str, Any] | None = None,
+    *,
+    seed: int | None = None,
+    confirm: bool = False,
+) -> Call[StudyDetail]:
+    """Queue a study, a named one or a definition as a study file holds it."""
+    chosen = study if isinstance(study, str) else dict(study)
+    body = {"study": chosen, "changes": dict(changes or {}), "seed": seed, "confirm": confirm}
+    return Call("POST", "studies", _as(StudyDetail), body)
+
+
+def study(study_id: str) -> Call[StudyDetail]:
+    """A study, and what came out until now."""
+    return Call("GET", _at("studies", study_id), _as(StudyDetail))
+
+
+def cancel_study(study_id: str) -> Call[StudyDetail]:
+    """End a study; its rows stay."""
+    return Call("POST", _at("studies", study_id, "cancel"), _as(StudyDetail))
+
+
+def results(study_id: str) -> Call[DataFrame]:
+    """The table of a study, a row a cell. Needs pandas."""
+    return Call("GET", _at("studies", study_id, "results"), _dataframe, query={"format": "parquet"})

@@ -1,0 +1,314 @@
+"""A Becalm service from Python: `Client`, and `AsyncClient` with the same names to be awaited.
+
+import becalm
+
+with becalm.Client() as service:
+    service.command("capture")
+    for snapshot in service.watch():
+        print(snapshot.time, snapshot.target.twist.angle)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from functools import update_wrapper
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Concatenate, ParamSpec, Self, TypeVar
+from urllib.parse import urlencode
+
+import httpx
+from websockets.asyncio.client import connect as connect_async
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import connect
+
+from becalm import calls
+from becalm.calls import Call, ServiceUnreachable, read_answer
+from server.api.runs import Run, RunSummary
+from server.api.studies import StudyDetail
+from server.published import MissionSnapshot
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+DEFAULT_ADDRESS = "http://127.0.0.1:8000"
+
+PATIENCE = 120.0
+"""For one answer [s]: a log of a long run takes a while."""
+
+UNDER_WAY = ("queued", "running")
+
+LOOK_PERIOD = 0.2
+"""Between two looks whether a run or study has ended [s]."""
+
+
+class _Place:
+    """Where the service is, and by which token it is asked."""
+
+    def __init__(self, address: str | None, token: str | None) -> None:
+        self.address = (address or os.environ.get("BECALM_ADDRESS") or DEFAULT_ADDRESS).rstrip("/")
+        token = token or os.environ.get("BECALM_TOKEN")
+        self.headers = {"Authorization": f"Bearer {token}"} if token else {}
+
+    @property
+    def api(self) -> str:
+        return f"{self.address}/api/v1/"
+
+    def telemetry(self, rate: float) -> str:
+        return f"ws{self.api.removeprefix('http')}telemetry?{urlencode({'rate': rate})}"
+
+
+def _snapshot(frame: str | bytes) -> MissionSnapshot | None:
+    """The snapshot in a frame of telemetry; None for any other frame."""
+    message = json.loads(frame)
+    if message.pop("type") != "snapshot":
+        return None
+    return MissionSnapshot.model_validate_json(json.dumps(message))
+
+
+def _rest(deadline: float) -> float:
+    """How long to wait before the next look [s].
+
+    Raises:
+        TimeoutError: there is no time left.
+
+    """
+    if time.monotonic() > deadline:
+        raise TimeoutError("it has not ended in time")
+    return LOOK_PERIOD
+
+
+def _sync(make: Callable[P, Call[T]]) -> Callable[Concatenate[Client, P], T]:
+    """A method of `Client` that makes this call."""
+
+    def method(self: Client, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        return self.done(make(*args, **kwargs))
+
+    update_wrapper(method, make)
+    return method
+
+
+def _async(make: Callable[P, Call[T]]) -> Callable[Concatenate[AsyncClient, P], Awaitable[T]]:
+    """A method of `AsyncClient` that makes this call."""
+
+    async def method(self: AsyncClient, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        return await self.done(make(*args, **kwargs))
+
+    update_wrapper(method, make)
+    return method
+
+
+class Client:
+    """A service, asked one thing after another; close it, or use it as a context manager.
+
+    Every method raises `ServiceRefused` for what the service refuses, and `ServiceUnreachable` without an answer.
+    """
+
+    health = _sync(calls.health)
+    mission = _sync(calls.mission)
+    command = _sync(calls.command)
+    stop = _sync(calls.stop)
+    config = _sync(calls.config)
+    change = _sync(calls.change)
+    start_run = _sync(calls.start_run)
+    run = _sync(calls.run)
+    cancel_run = _sync(calls.cancel_run)
+    delete_run = _sync(calls.delete_run)
+    events = _sync(calls.events)
+    log = _sync(calls.log)
+    start_study = _sync(calls.start_study)
+    study = _sync(calls.study)
+    cancel_study = _sync(calls.cancel_study)
+    results = _sync(calls.results)
+
+    def __init__(self, address: str | None = None, token: str | None = None) -> None:
+        """Connect to nothing yet.
+
+        Args:
+            address: such as http://robot-lab:8000; by default $BECALM_ADDRESS, or a service on this machine.
+            token: an access token; by default $BECALM_TOKEN, or none.
+
+        """
+        self._place = _Place(address, token)
+        self._http = httpx.Client(base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        self._http.close()
+
+    def done(self, call: Call[T]) -> T:
+        """The answer to one of `becalm.calls`."""
+        try:
+            answer = self._http.request(call.method, call.path, json=call.body, params=call.query, headers=call.headers)
+        except httpx.TransportError as error:
+            raise ServiceUnreachable(self._place.address, error) from None
+        return read_answer(call, answer)
+
+    def watch(self, rate: float = 10.0) -> Iterator[MissionSnapshot]:
+        """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
+        try:
+            with connect(
+                self._place.telemetry(rate), additional_headers=self._place.headers, max_size=None
+            ) as telemetry:
+                for frame in telemetry:
+                    snapshot = _snapshot(frame)
+                    if snapshot is not None:
+                        yield snapshot
+                        if snapshot.outcome is not None:
+                            return
+        except (OSError, WebSocketException) as error:
+            raise ServiceUnreachable(self._place.address, error) from None
+
+    def runs(self, **filters: Any) -> Iterator[RunSummary]:
+        """The library, newest first; filters as `GET /runs` has them: `status="finished"`, `text="slips"`, ..."""
+        cursor = None
+        while True:
+            page = self.done(calls.runs(cursor, filters))
+            yield from page.runs
+            if page.next_cursor is None:
+                return
+            cursor = page.next_cursor
+
+    def download(self, run_id: str, path: Path) -> None:
+        """Write the log of a run to a .mcap, .parquet or .csv file."""
+        content = self.done(calls.log_file(run_id, path.suffix.removeprefix(".")))
+        path.write_bytes(content)
+
+    def finished_run(self, run_id: str, patience: float = 600.0) -> Run:
+        """The run when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := self.run(run_id)).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
+    def finished_study(self, study_id: str, patience: float = 86_400.0) -> StudyDetail:
+        """The study when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := self.study(study_id)).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
+
+class AsyncClient:
+    """As `Client`, for `asyncio`."""
+
+    health = _async(calls.health)
+    mission = _async(calls.mission)
+    command = _async(calls.command)
+    stop = _async(calls.stop)
+    config = _async(calls.config)
+    change = _async(calls.change)
+    start_run = _async(calls.start_run)
+    run = _async(calls.run)
+    cancel_run = _async(calls.cancel_run)
+    delete_run = _async(calls.delete_run)
+    events = _async(calls.events)
+    log = _async(calls.log)
+    start_study = _async(calls.start_study)
+    study = _async(calls.study)
+    cancel_study = _async(calls.cancel_study)
+    results = _async(calls.results)
+
+    def __init__(self, address: str | None = None, token: str | None = None) -> None:
+        """Connect to nothing yet; see `Client`."""
+        self._place = _Place(address, token)
+        self._http = httpx.AsyncClient(base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Let go of the connections."""
+        await self._http.aclose()
+
+    async def done(self, call: Call[T]) -> T:
+        """The answer to one of `becalm.calls`."""
+        try:
+            answer = await self._http.request(
+                call.method, call.path, json=call.body, params=call.query, headers=call.headers
+            )
+        except httpx.TransportError as error:
+            raise ServiceUnreachable(self._place.address, error) from None
+        return read_answer(call, answer)
+
+    async def watch(self, rate: float = 10.0) -> AsyncIterator[MissionSnapshot]:
+        """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
+        try:
+            async with connect_async(
+                self._place.telemetry(rate), additional_headers=self._place.headers, max_size=None
+            ) as telemetry:
+                async for frame in telemetry:
+                    snapshot = _snapshot(frame)
+                    if snapshot is not None:
+                        yield snapshot
+                        if snapshot.outcome is not None:
+                            return
+        except (OSError, WebSocketException) as error:
+            raise ServiceUnreachable(self._place.address, error) from None
+
+    async def runs(self, **filters: Any) -> AsyncIterator[RunSummary]:
+        """The library, newest first; filters as `GET /runs` has them: `status="finished"`, `text="slips"`, ..."""
+        cursor = None
+        while True:
+            page = await self.done(calls.runs(cursor, filters))
+            for each in page.runs:
+                yield each
+            if page.next_cursor is None:
+                return
+            cursor = page.next_cursor
+
+    async def download(self, run_id: str, path: Path) -> None:
+        """Write the log of a run to a .mcap, .parquet or .csv file."""
+        content = await self.done(calls.log_file(run_id, path.suffix.removeprefix(".")))
+        path.write_bytes(content)
+
+    async def finished_run(self, run_id: str, patience: float = 600.0) -> Run:
+        """The run when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := await self.run(run_id)).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
+
+    async def finished_study(self, study_id: str, patience: float = 86_400.0) -> StudyDetail:
+        """The study when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := await self.study(study_id)).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
