@@ -29,6 +29,7 @@ from server.loop import MissionLoop
 from server.projector import Projector
 from server.recorder import Recorder
 from server.retention import keep_removing
+from server.run_index import RunIndex
 from server.runs import RunStore
 from server.scene import Scene
 from server.scripted import ScriptedRuns
@@ -76,7 +77,7 @@ def create_app(settings: Settings) -> FastAPI:
     studies = StudyStore(settings.data_dir / "studies")
     study_queue = StudyQueue(studies, partial(_study_workers, settings))
     access = _access(settings)
-    services = Services(settings, access, feed, loop, store, ScriptedRuns(store), studies, study_queue)
+    services = Services(settings, access, feed, loop, store, RunIndex(store), ScriptedRuns(store), studies, study_queue)
     projector = Projector(Scene(initial), feed, loop)
 
     app = Service(

@@ -41,7 +41,7 @@ LOST_AT_MOST = 1.0
 
 log = logging.getLogger(__name__)
 
-_ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
+RUN_ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
 
 
 def new_run_id() -> str:
@@ -91,6 +91,13 @@ class RunStore:
         """
         return RunReader(self._folder(run_id), self.record(run_id))
 
+    def find(self, run_id: str) -> RunReader | None:
+        """A reader of this run, or None if it is gone or of another version."""
+        try:
+            return self.read(run_id)
+        except (RunNotFound, ValidationError):
+            return None
+
     def record(self, run_id: str) -> RunRecord:
         """The record of this run, recovered first if the process that wrote it is gone.
 
@@ -109,31 +116,12 @@ class RunStore:
 
     def newest(self, *, before: str | None = None) -> Iterator[RunReader]:
         """The runs, newest first, of those older than the run `before`."""
-        names = (path.name for path in self.root.glob("*") if _ID.fullmatch(path.name)) if self.root.exists() else ()
+        names = (path.name for path in self.root.glob("*") if RUN_ID.fullmatch(path.name)) if self.root.exists() else ()
         for name in sorted(names, reverse=True):
             if before is None or name < before:
-                try:
-                    yield self.read(name)
-                except RunNotFound:
-                    continue  # deleted since, or its folder was only just made
-                except ValidationError:
-                    continue  # `unreadable` tells of it
-
-    def unreadable(self) -> Iterator[tuple[str, str]]:
-        """(identifier, reason) of each folder that holds a run of another version, or a damaged record."""
-        for folder in sorted(self.root.glob("*")) if self.root.exists() else ():
-            if _ID.fullmatch(folder.name):
-                try:
-                    read_record(folder)
-                except FileNotFoundError:
-                    continue
-                except ValidationError as error:
-                    first = error.errors(include_url=False)[0]
-                    where = ".".join(map(str, first["loc"])) or RECORD_NAME
-                    yield (
-                        folder.name,
-                        f"its record is damaged or of another version: {where}: {first['msg']}",
-                    )
+                reader = self.find(name)
+                if reader is not None:  # else deleted since, only just made, or of another version: the index tells
+                    yield reader
 
     def recover(self) -> None:
         """Put right what a crash has left, before anything asks for it."""
@@ -179,7 +167,7 @@ class RunStore:
 
     def discard(self, run_id: str) -> None:
         """Remove a run, whatever its state; one that was never written is gone already."""
-        if not _ID.fullmatch(run_id):
+        if not RUN_ID.fullmatch(run_id):
             raise _not_found(run_id)
         folder = self.root / run_id
         (folder / RECORD_NAME).unlink(missing_ok=True)  # first, so that what is half removed is no run any more
@@ -187,7 +175,7 @@ class RunStore:
 
     def _folder(self, run_id: str) -> Path:
         folder = self.root / run_id
-        if not _ID.fullmatch(run_id) or not folder.is_dir():
+        if not RUN_ID.fullmatch(run_id) or not folder.is_dir():
             raise _not_found(run_id)
         return folder
 

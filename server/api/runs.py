@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from itertools import islice
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, cast, get_args
 
 from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
@@ -18,6 +17,7 @@ from server.export import MEDIA_TYPES, LogFormat, Span, exported
 from server.history import History
 from server.live_mission import display_name
 from server.run_folder import Integrity, LoggedEvent, Note, Remarks, RunKind, RunReader, RunRecord, RunStatus
+from server.run_index import RunQuery, SortKey
 from server.runs import new_record
 from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
@@ -75,6 +75,11 @@ class RunFilter(BaseModel):
     text: str | None = Field(None, description="Part of the identifier or of a note, in any case")
     started_from: str | None = Field(None, description="ISO 8601, UTC")
     started_to: str | None = Field(None, description="ISO 8601, UTC")
+    sort: str = Field(
+        "-started",
+        pattern=f"^-?({'|'.join(get_args(SortKey))})$",
+        description="By what; with a minus the largest or latest first. Runs without it come last",
+    )
 
 
 class RemarksChange(BaseModel):
@@ -182,32 +187,21 @@ def runs(
     if_none_match: IfNoneMatch = None,
 ) -> RunPage:
     """The library, newest first."""
-    matching = (reader for reader in services.store.newest(before=wanted.cursor) if _fits(reader, wanted))
-    found = [_summary(reader) for reader in islice(matching, wanted.limit + 1)]
-    strange = [] if wanted.cursor else [Unreadable(id=name, reason=why) for name, why in services.store.unreadable()]
-    following = found[wanted.limit - 1].id if len(found) > wanted.limit else None
-    return _tagged(
-        RunPage(runs=found[: wanted.limit], unreadable=strange, next_cursor=following), response, if_none_match
+    found = services.index.find(_query(wanted), wanted.limit, wanted.cursor)
+    readers = [reader for reader in map(services.store.find, found.ids) if reader is not None]
+    strange = {} if wanted.cursor else services.index.unreadable()
+    page = RunPage(
+        runs=[_summary(reader) for reader in readers],
+        unreadable=[Unreadable(id=name, reason=why) for name, why in strange.items()],
+        next_cursor=found.following,
     )
+    return _tagged(page, response, if_none_match)
 
 
-def _fits(reader: RunReader, wanted: RunFilter) -> bool:
-    record = reader.record
-    chosen = (
-        (record.kind, wanted.kind),
-        (record.status, wanted.status),
-        (record.configuration.removesuffix(" (edited)"), wanted.configuration),
-        (record.outcome.outcome if record.outcome else None, wanted.outcome),
-        (record.parent, wanted.parent),
-    )
-    if any(wish is not None and wish != value for value, wish in chosen):
-        return False
-    early = wanted.started_from is not None and record.started < wanted.started_from
-    late = wanted.started_to is not None and record.started > wanted.started_to
-    if early or late or (wanted.starred is not None and reader.remarks.starred != wanted.starred):
-        return False
-    words = [record.id, record.note or "", *(note.text for note in reader.remarks.notes)]
-    return wanted.text is None or wanted.text.lower() in "\n".join(words).lower()
+def _query(wanted: RunFilter) -> RunQuery:
+    order = wanted.sort.removeprefix("-")
+    chosen = wanted.model_dump(exclude={"limit", "cursor", "sort"})
+    return RunQuery(**chosen, sort=cast(SortKey, order), ascending=not wanted.sort.startswith("-"))
 
 
 @router.get("/{run_id}", responses=responses(404))

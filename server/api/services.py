@@ -11,6 +11,7 @@ from starlette.requests import HTTPConnection
 from server.access.guard import Access, holder_of
 from server.feed import Feed
 from server.loop import MissionLoop
+from server.run_index import RunIndex
 from server.runs import RunStore
 from server.scripted import ScriptedRuns
 from server.settings import Settings
@@ -27,6 +28,7 @@ class Services:
     feed: Feed
     loop: MissionLoop
     store: RunStore
+    index: RunIndex
     scripted: ScriptedRuns
     studies: StudyStore
     study_queue: StudyQueue

@@ -7,6 +7,7 @@ import pytest
 from mcap.reader import make_reader
 
 from server.run_folder import LoggedEvent, read_record
+from server.run_index import RunIndex
 from server.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
 from sim.claim import Claim, is_claimed
@@ -170,7 +171,7 @@ def test_run_of_another_version_does_not_hide_the_rest(store):
     path = store.root / strange.id / "run.json"
     path.write_text(path.read_text().replace('"direct"', '"indirect"'))
     assert [reader.record.id for reader in store.newest()] == [good.id]
-    ((name, reason),) = store.unreadable()
+    ((name, reason),) = RunIndex(store).unreadable().items()
     assert name == strange.id
     assert "indirect" in reason
 
