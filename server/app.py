@@ -58,7 +58,7 @@ class Service(FastAPI):
     def openapi(self) -> dict[str, Any]:
         """The OpenAPI document."""
         document = super().openapi()
-        problem_json.name_media_type(document)
+        problem_json.complete(document)
         return document
 
 

@@ -38,6 +38,7 @@ STATUSES: dict[type[CaptureError], int] = {
 }
 
 _TITLES = {
+    400: "Not JSON",
     401: "Not signed in",
     403: "Not allowed",
     404: "Not found",
@@ -94,9 +95,20 @@ def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
     return {status: {"model": ProblemDocument, "description": _TITLES[status]} for status in statuses}
 
 
-def name_media_type(document: dict[str, Any]) -> None:
-    """Put the errors of an OpenAPI document under the media type that they are really sent with."""
+EVERYWHERE = (401, 403, 429)
+"""Errors that any request may be answered with."""
+
+WITH_A_BODY = (400, 413, 415)
+"""And any that brings something."""
+
+
+def complete(document: dict[str, Any]) -> None:
+    """Add the errors of every request to an OpenAPI document, under the media type that they are really sent with."""
+    schema = {"$ref": f"#/components/schemas/{ProblemDocument.__name__}"}
     for operation in (each for path in document["paths"].values() for each in path.values()):
+        for status in (*EVERYWHERE, *(WITH_A_BODY if "requestBody" in operation else ())):
+            entry = {"description": _TITLES[status], "content": {MEDIA_TYPE: {"schema": schema}}}
+            operation["responses"].setdefault(str(status), entry)
         for status, response in operation["responses"].items():
             if status >= "400" and "application/json" in response.get("content", {}):
                 response["content"] = {MEDIA_TYPE: response["content"]["application/json"]}

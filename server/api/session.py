@@ -41,7 +41,7 @@ def session(services: ServicesDep, request: Request) -> Session:
     return _session(services, holder_of(request))
 
 
-@router.post("", responses=responses(401, 422, 429))
+@router.post("", responses=responses(422))
 def sign_in(services: ServicesDep, request: Request, response: Response, body: SignIn) -> Session:
     """Keep a token in a cookie that scripts of the page cannot read and other sites cannot use."""
     holder = services.access.tokens.holder_of(body.token)
