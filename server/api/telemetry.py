@@ -74,9 +74,8 @@ async def _send_mission_so_far(send: Any, feed: Feed) -> None:
 
 
 async def _receive(websocket: WebSocket, subscriber: Subscriber) -> None:
-    with contextlib.suppress(WebSocketDisconnect):
-        while True:
-            _heed(await websocket.receive_text(), subscriber)
+    while (message := await websocket.receive())["type"] == "websocket.receive":
+        _heed(message.get("text") or "", subscriber)
 
 
 def _heed(text: str, subscriber: Subscriber) -> None:
@@ -87,7 +86,7 @@ def _heed(text: str, subscriber: Subscriber) -> None:
             subscriber.rate = _within_limits(float(message["rate"]))
         elif message["type"] == "ack":
             subscriber.acknowledge(int(message["tick"]))
-    except (ValueError, KeyError, TypeError, OverflowError):
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
         return
 
 
