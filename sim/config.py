@@ -481,6 +481,25 @@ class ControlConfig(ConfigModel):
     rates: RateConfig = RateConfig()
 
 
+def _noise(description: str, unit: str, most: float) -> Any:
+    """A standard deviation; none by default."""
+    source = "chosen: the paper's simulation has perfect sensors"
+    return parameter(0.0, description, unit=unit, source=source, ge=0, le=most, live=True)
+
+
+class SensingConfig(ConfigModel):
+    """Standard deviations of the white noise in what the controller sees, every tick anew (`sim.plant.sensing`)."""
+
+    position: Number = _noise("Of the positions of base and target", "m", 1)
+    angle: Number = _noise("Of their angles", "rad", 3)
+    velocity: Number = _noise("Of their velocities", "m/s", 10)
+    spin: Number = _noise("Of their angular velocities", "rad/s", 20)
+    joint_angle: Number = _noise("Of the joint angles", "rad", 3)
+    joint_rate: Number = _noise("Of the joint rates", "rad/s", 20)
+    force: Number = _noise("Of the forces at the wrists", "N", 1000)
+    torque: Number = _noise("Of the torques at the wrists", "N m", 1000)
+
+
 class JudgingConfig(ConfigModel):
     """How a capture's outcome is judged."""
 
@@ -570,6 +589,7 @@ class MissionConfig(ConfigModel):
     robot: RobotConfig = RobotConfig()
     target: TargetConfig = TargetConfig()
     contact: ContactConfig = ContactConfig()
+    sensing: SensingConfig = SensingConfig()
     control: ControlConfig = ControlConfig()
     judging: JudgingConfig = JudgingConfig()
     simulation: SimulationConfig = SimulationConfig()

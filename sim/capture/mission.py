@@ -44,7 +44,9 @@ from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
 from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged
 from sim.model.robot import Chain, RobotModel, chain
+from sim.plant.plant import PLANT_STATE
 from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
+from sim.plant.sensing import is_noisy, sense
 from sim.record import Record, record_of
 
 
@@ -56,6 +58,7 @@ def fly(
     memory: Record,
     notes: Record,
     state: Record,
+    seen: Record,
     rows: Ticks,
 ) -> tuple[int, bool]:
     """Fly as many ticks as there are rows of `TICK`, which are filled; stops after the tick of a verdict.
@@ -65,7 +68,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(handle.robot, parameters, transition, memory, notes, state, rows[place])
+        over = _decide(handle.robot, parameters, transition, memory, notes, state, seen, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -81,9 +84,10 @@ def _decide(
     memory: Record,
     notes: Record,
     state: Record,
+    seen: Record,
     row: Record,
 ) -> bool:
-    """Judge a state, command joint rates from it, and write both as a row of `TICK`; whether a verdict fell."""
+    """Judge a state, command joint rates from what is seen of it, and write a row of `TICK`; whether a verdict fell."""
     before = notes.verdict
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
     judge(notes, memory, parameters, robot, state, links)
@@ -91,7 +95,12 @@ def _decide(
     if over:
         memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
         memory.sequence = Sequence.NONE
-    control(memory, parameters, transition, robot, state, links)
+    if is_noisy(parameters.sensing):
+        sense(parameters.sensing, parameters.simulation.seed, state, seen)
+        seen_links = chain(robot, seen.base_pose, seen.joint_angle, seen.mount_angle)
+        control(memory, parameters, transition, robot, seen, seen_links)
+    else:
+        control(memory, parameters, transition, robot, state, links)
     _write(row, memory, notes, state, links)
     return over
 
@@ -104,13 +113,14 @@ def follow(
     memory: Record,
     notes: Record,
     state: Record,
+    seen: Record,
     recorded: Ticks,
     rows: Ticks,
 ) -> None:
     """Judge and command from recorded states, rows of `TICK`, in place of a plant's; `rows` are filled."""
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        _decide(robot, parameters, transition, memory, notes, state, rows[place])
+        _decide(robot, parameters, transition, memory, notes, state, seen, rows[place])
 
 
 @compiled
@@ -179,6 +189,7 @@ class Mission:
         self._memory["last_contact"], self._memory["slow_since"] = NEVER, math.inf
         self._notes: Record = np.zeros(1, JUDGEMENT)[0]
         self._notes["begun_at"] = math.nan
+        self._seen: Record = np.zeros(1, PLANT_STATE)[0]
         self._notes["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []
@@ -267,7 +278,7 @@ class Mission:
         rows = np.zeros(ticks, TICK)
         plant = self._plant
         flown, finite = fly(
-            plant.handle, plant.parameters, self._transition, self._memory, self._notes, plant.state, rows
+            plant.handle, plant.parameters, self._transition, self._memory, self._notes, plant.state, self._seen, rows
         )
         rows = rows[:flown]
         self._tell(rows)
@@ -291,6 +302,7 @@ class Mission:
             self._memory,
             self._notes,
             plant.state,
+            self._seen,
             recorded,
             rows,
         )

@@ -1,0 +1,92 @@
+"""What the controller sees of the plant: its state with the sensors' noise on it.
+
+The noise is white and Gaussian, and each value of it follows from the seed, the tick and the channel alone. So a run
+is the same bit for bit wherever it flies, and a replay from recorded states hears the same noise again. The judge
+and the log know the true state.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.compiled import compiled
+from sim.record import Record
+
+_STEP = np.uint64(0x9E3779B97F4A7C15)
+_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+_ONE = np.uint64(1)
+
+_BASE, _TARGET, _JOINTS, _WRENCHES = 0, 6, 12, 24
+"""First channels of the sensors; each pose, twist, joint or wrench has one a number."""
+
+
+@compiled
+def is_noisy(noise: Record) -> bool:
+    """Whether any sensor has noise."""
+    return bool(
+        noise.position > 0.0
+        or noise.angle > 0.0
+        or noise.velocity > 0.0
+        or noise.spin > 0.0
+        or noise.joint_angle > 0.0
+        or noise.joint_rate > 0.0
+        or noise.force > 0.0
+        or noise.torque > 0.0
+    )
+
+
+@compiled
+def sense(noise: Record, seed: int, state: Record, seen: Record) -> None:
+    """Fill `seen`, one element of `PLANT_STATE`, with the state as sensors of this `SensingConfig` tell it."""
+    _copy(state, seen)
+    tick = state.tick
+    for axis in range(3):
+        place, rate = (noise.angle, noise.spin) if axis == 2 else (noise.position, noise.velocity)
+        seen.base_pose[axis] += place * gaussian(seed, tick, _BASE + axis)
+        seen.base_twist[axis] += rate * gaussian(seed, tick, _BASE + 3 + axis)
+        seen.target_pose[axis] += place * gaussian(seed, tick, _TARGET + axis)
+        seen.target_twist[axis] += rate * gaussian(seed, tick, _TARGET + 3 + axis)
+        push = noise.torque if axis == 2 else noise.force
+        for arm in range(2):
+            seen.joint_angle[arm, axis] += noise.joint_angle * gaussian(seed, tick, _JOINTS + 3 * arm + axis)
+            seen.joint_rate[arm, axis] += noise.joint_rate * gaussian(seed, tick, _JOINTS + 6 + 3 * arm + axis)
+            seen.hand_wrench[arm, axis] += push * gaussian(seed, tick, _WRENCHES + 3 * arm + axis)
+
+
+@compiled
+def gaussian(seed: int, tick: int, channel: int) -> float:
+    """A draw of the standard normal distribution that follows from these three numbers (Box and Muller 1958)."""
+    bits = _mixed(_mixed(_mixed(np.uint64(seed)) + np.uint64(tick)) + np.uint64(channel))
+    radius = math.sqrt(-2.0 * math.log(_uniform(bits)))
+    return radius * math.cos(2.0 * math.pi * _uniform(_mixed(bits)))
+
+
+@compiled
+def _mixed(bits: np.uint64) -> np.uint64:
+    """SplitMix64's output function (Steele, Lea, Flood 2014): neighbouring numbers come out unlike each other."""
+    bits = bits + _STEP
+    bits = (bits ^ (bits >> _30)) * _FIRST
+    bits = (bits ^ (bits >> _27)) * _SECOND
+    return bits ^ (bits >> _31)
+
+
+@compiled
+def _uniform(bits: np.uint64) -> float:
+    """In (0, 1]: the upper 53 bits."""
+    return float((bits >> _11) + _ONE) * 2.0**-53
+
+
+@compiled
+def _copy(state: Record, seen: Record) -> None:
+    seen.tick, seen.time = state.tick, state.time
+    seen.base_pose[:], seen.base_twist[:] = state.base_pose, state.base_twist
+    seen.target_pose[:], seen.target_twist[:] = state.target_pose, state.target_twist
+    seen.joint_angle[:], seen.joint_rate[:] = state.joint_angle, state.joint_rate
+    seen.mount_angle[:], seen.mount_rate[:] = state.mount_angle, state.mount_rate
+    seen.hand_wrench[:], seen.tip_force[:] = state.hand_wrench, state.tip_force
+    seen.tip_contact[:] = state.tip_contact
+    seen.base_contact, seen.arm_contact = state.base_contact, state.arm_contact
+    seen.momentum[:] = state.momentum
