@@ -47,7 +47,7 @@ async def test_openapi_documents_every_refusal(console):
     identifiers = [each["operationId"] for path in document["paths"].values() for each in path.values()]
     assert len(identifiers) == len(set(identifiers))
     responses = document["paths"]["/api/v1/mission/commands"]["post"]["responses"]
-    assert set(responses) == {"200", "409", "422", "503", "504"}
+    assert set(responses) == {"200", "400", "401", "403", "409", "413", "415", "422", "429", "503", "504"}
     assert list(responses["409"]["content"]) == ["application/problem+json"]
     assert "HTTPValidationError" not in document["components"]["schemas"]
     assert "MissionSnapshot" in document["components"]["schemas"]
