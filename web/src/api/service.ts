@@ -13,12 +13,15 @@ import type {
   MissionEvent,
   NamedConfiguration,
   PublishedTables,
+  RemarksChange,
   Run,
+  RunPage,
+  RunsQuery,
+  Session,
   StudyDetail,
   StudyPage,
   StudyRequest,
   StudyRowPage,
-  Session,
 } from "./types";
 
 const client = createClient<paths>({ baseUrl: "" });
@@ -82,8 +85,29 @@ export const readHistory = (since: number): Promise<History> =>
 export const readEvents = (id: string): Promise<MissionEvent[]> =>
   bodyOf(client.GET("/api/v1/runs/{run_id}/events", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
 
+export const listRuns = (query: RunsQuery): Promise<RunPage> =>
+  bodyOf(client.GET("/api/v1/runs", { params: { query }, ...within(ANSWER_TIME) }));
+
+export const readRun = (id: string): Promise<Run> =>
+  bodyOf(client.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
+/** The run in at most so many rows, the extremes of every stretch of time among them. */
+export const readTicks = (id: string, points: number): Promise<History> =>
+  bodyOf(
+    client.GET("/api/v1/runs/{run_id}/ticks", { params: { path: { run_id: id }, query: { points } }, ...within(30_000) }),
+  );
+
+export const remarkRun = (id: string, change: RemarksChange): Promise<Run> =>
+  bodyOf(client.PATCH("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, body: change, ...within(ANSWER_TIME) }));
+
+export const cancelRun = (id: string): Promise<Run> =>
+  bodyOf(client.POST("/api/v1/runs/{run_id}/cancel", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
+export const deleteRun = (id: string): Promise<null> =>
+  nothingOf(client.DELETE("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
 /** Where a browser downloads the log of a run, also of one in progress. */
-export const logAddress = (id: string, format: "csv" | "parquet"): string =>
+export const logAddress = (id: string, format: "csv" | "parquet" | "mcap"): string =>
   `/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`;
 
 export const listStudies = (): Promise<StudyPage> =>

@@ -36,4 +36,6 @@ export type StudyRow = StudyRowPage["rows"][number];
 export type PublishedTables = Answer<paths["/api/v1/studies/published/tables"]["get"]>;
 export type RunPage = Answer<paths["/api/v1/runs"]["get"]>;
 export type RunSummary = RunPage["runs"][number];
+export type RunsQuery = NonNullable<paths["/api/v1/runs"]["get"]["parameters"]["query"]>;
+export type RemarksChange = Request<paths["/api/v1/runs/{run_id}"]["patch"]>;
 export type Run = Answer<paths["/api/v1/runs/{run_id}"]["get"]>;

@@ -1,4 +1,5 @@
 /** The frame of every page: who and what at the top, STOP within reach, one page below. */
+import { LibraryPage } from "../features/library/LibraryPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
 import { useView } from "../store/context";
 import { MissionPage } from "./MissionPage";
@@ -14,6 +15,7 @@ export function Shell() {
     <div className={styles.shell} data-trust={trust}>
       <TopBar page={page} />
       <MissionPage shown={page === "mission"} />
+      <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} />
       <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
     </div>
   );

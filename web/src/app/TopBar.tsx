@@ -45,7 +45,7 @@ function AngleSwitch() {
   );
 }
 
-const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", studies: "Studies" };
+const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies" };
 
 function Pages({ shown }: { readonly shown: Page }) {
   return (

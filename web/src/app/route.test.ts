@@ -4,7 +4,7 @@ import { hashOf, routeOf } from "./route";
 describe("the address", () => {
   it("names a page and what it shows", () => {
     expect(routeOf("#/studies/20261125T1-a")).toEqual({ page: "studies", item: "20261125T1-a" });
-    expect(routeOf("#/studies")).toEqual({ page: "studies", item: "" });
+    expect(routeOf("#/runs")).toEqual({ page: "runs", item: "" });
   });
 
   it("is the mission when it names nothing known", () => {

@@ -1,5 +1,5 @@
 /** What the console knows of the mission: one immutable view for the panels, one series for the plots. */
-import type { Health, MissionEvent, MissionSnapshot } from "../api/types";
+import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
 import type { Link, Sink } from "../source/source";
 import { sampleOfSnapshot, type Sample } from "./quantities";
 import { Series } from "./series";
@@ -52,6 +52,8 @@ type Listener = () => void;
 
 export class MissionStore implements Sink {
   readonly series = new Series();
+  /** Of a recording; a mission that flies tells its touches with every snapshot. */
+  touches: readonly Touch[] = [];
   private view = NOTHING;
   private pending: Partial<MissionView> = {};
   private snapshotAt = -Infinity;
@@ -95,6 +97,14 @@ export class MissionStore implements Sink {
     if (fresh.length === 0) return;
     const events = [...known, ...fresh].sort((one, other) => one.time - other.time).slice(-EVENTS_KEPT);
     this.change({ events }, true);
+  }
+
+  /** Holds a run of the library in place of a mission that flies. */
+  recording(samples: readonly Sample[], events: readonly MissionEvent[], touches: readonly Touch[]): void {
+    this.touches = touches;
+    this.series.merge(samples);
+    this.addEvents(events);
+    this.change({ trust: "live" }, true);
   }
 
   link(link: Link): void {

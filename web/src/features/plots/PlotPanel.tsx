@@ -21,9 +21,10 @@ interface ToolsProps {
   readonly view: TimeView;
   readonly change: (view: TimeView) => void;
   readonly now: () => number;
+  readonly recorded: boolean;
 }
 
-function Tools({ view, change, now }: ToolsProps) {
+function Tools({ view, change, now, recorded }: ToolsProps) {
   const still = view.pausedAt !== null;
   return (
     <div className={styles.tools}>
@@ -35,10 +36,10 @@ function Tools({ view, change, now }: ToolsProps) {
             change({ ...view, zoomed: null });
           }}
         >
-          Follow
+          {recorded ? "Whole run" : "Follow"}
         </Button>
       )}
-      <Button
+      {!recorded && <Button
         size="compact-xs"
         aria-pressed={still}
         leftSection={<Icon sign={still ? "play" : "pause"} size={12} />}
@@ -47,7 +48,7 @@ function Tools({ view, change, now }: ToolsProps) {
         }}
       >
         {still ? "Resume plots" : "Pause plots"}
-      </Button>
+      </Button>}
       <SegmentedControl
         aria-label="Stretch of time"
         value={String(view.window)}
@@ -64,9 +65,10 @@ function Tools({ view, change, now }: ToolsProps) {
   );
 }
 
-export function PlotPanel() {
+/** Of a mission that flies, or of a recording: then the whole of it, which nothing moves on. */
+export function PlotPanel({ recorded = false }: { readonly recorded?: boolean }) {
   const { series } = useStore();
-  const [view, setView] = useState(FOLLOW);
+  const [view, setView] = useState<TimeView>(recorded ? { ...FOLLOW, window: 0 } : FOLLOW);
   const [pair, setPair] = useKept<keyof typeof PAIRS>("becalm-plots", "contact", ["contact", "robot"]);
   const wide = useMediaQuery(WIDE, window.matchMedia(WIDE).matches);
   const plots = wide ? PLOTS : PAIRS[pair];
@@ -107,7 +109,7 @@ export function PlotPanel() {
           }}
         />
       )}
-      <Tools view={view} change={setView} now={now} />
+      <Tools view={view} change={setView} now={now} recorded={recorded} />
     </>
   );
   return (

@@ -24,7 +24,7 @@ function frameOf(store: MissionStore, view: TimeView, config: Known["config"]): 
     series,
     range: rangeOf(view, now, series.firstMotion),
     known: { snapshot, config },
-    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? [] },
+    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches },
   };
 }
 

@@ -1,5 +1,6 @@
 /** This run: its touches while it flies, how it ended, and its log to take away. */
 import { Panel } from "../../app/Panel";
+import { hashOf } from "../../app/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
 import { useSnapshot } from "../../store/context";
@@ -15,7 +16,7 @@ function margin(outcome: Outcome): string {
   return outcome.cage_margin === null ? "none" : `${fixed(outcome.cage_margin * MILLIMETRES.factor, 1)} mm`;
 }
 
-function Ending({ outcome }: { readonly outcome: Outcome }) {
+export function Ending({ outcome }: { readonly outcome: Outcome }) {
   const verdict = verdictOf(outcome);
   const closed = outcome.closed_at === null ? "never" : clock(outcome.closed_at, 2);
   return (
@@ -49,7 +50,7 @@ function Ending({ outcome }: { readonly outcome: Outcome }) {
   );
 }
 
-function Download({ run, format, label }: { readonly run: string; readonly format: "csv" | "parquet"; readonly label: string }) {
+export function Download({ run, format, label }: { readonly run: string; readonly format: "csv" | "parquet" | "mcap"; readonly label: string }) {
   return (
     <a className={styles.download} href={logAddress(run, format)} download aria-label={`Download the log of this run as ${label}`}>
       <Icon sign="download" /> {label}
@@ -68,6 +69,7 @@ export function RunPanel() {
       <TouchTable touches={contacts} />
       {run !== null && recorded && (
         <div className={styles.downloads}>
+          <a href={hashOf({ page: "runs", item: run })}>In the library</a>
           <span>Log, every tick</span>
           <Download run={run} format="csv" label="CSV" />
           <Download run={run} format="parquet" label="Parquet" />

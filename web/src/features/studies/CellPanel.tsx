@@ -51,7 +51,6 @@ function words(study: StudyDetail, column: string, value: StudyRow[string]): str
 export function CellPanel({ study, row }: { readonly study: StudyDetail; readonly row: StudyRow | undefined }) {
   const [waiting, setWaiting] = useState(false);
   const [refusal, setRefusal] = useState<Refusal | null>(null);
-  const [kept, setKept] = useState<{ readonly row: StudyRow; readonly run: string } | null>(null);
   if (row === undefined) {
     return (
       <Panel title="Cell">
@@ -77,7 +76,7 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
     go("mission");
   };
   const keep = async () => {
-    setKept({ row, run: (await runCell(study.id, cell)).id });
+    go("runs", (await runCell(study.id, cell)).id);
   };
   return (
     <Panel title={`Cell ${cell}`} grow>
@@ -104,7 +103,6 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
           Keep as a run
         </Button>
       </div>
-      {kept?.row === row && <p className={styles.hint} role="status">{`Kept in the library as run ${kept.run}.`}</p>}
       {refusal && (
         <p className={styles.trouble} role="alert">
           <strong>{refusal.message}</strong> <span>{refusal.tip}</span>

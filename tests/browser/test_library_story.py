@@ -1,0 +1,55 @@
+"""A researcher finds a run in the library, reads it, stars and annotates it, and deletes another."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from .conftest import ARTIFACTS, Service
+
+pytestmark = pytest.mark.browser
+
+
+def _flown(service: Service, **request: object) -> str:
+    run = service.ask("/runs", {"configuration": "published", **request})["id"]
+    return str(run)
+
+
+def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Service) -> None:
+    direct, seeded = _flown(service, direct=True), _flown(service, seed=11)
+    console.get_by_role("link", name="Runs", exact=True).click()
+    expect(console.get_by_role("button", name="STOP")).to_be_enabled()
+    library = console.get_by_role("list", name="Runs", exact=True)
+    console.get_by_label("Kind").select_option("scripted")
+    mine = library.locator(f"a[href='#/runs/{direct}']")
+    expect(mine).to_contain_text(re.compile("caged|collision|ejection"), timeout=60_000)
+    mine.click()
+
+    view = console.get_by_role("region", name=f"Run {direct}")
+    expect(view.get_by_role("status").first).to_contain_text("finished")
+    expect(view.get_by_role("log", name="Events")).to_contain_text("Caged with a margin")
+    expect(view.get_by_role("heading", name="Caged after unplanned contact")).to_be_visible()
+    view.get_by_role("button", name="Star this run").click()
+    view.get_by_label("A note on this run").fill("the comparison of the paper")
+    view.get_by_role("button", name="Add note").click()
+    expect(view.get_by_text("the comparison of the paper")).to_be_visible()
+    console.screenshot(path=ARTIFACTS / "library.png")
+    kept = service.ask(f"/runs/{direct}")
+    assert (kept["starred"], kept["notes"][0]["text"]) == (True, "the comparison of the paper")
+
+    console.get_by_label("Search runs").fill("COMPARISON")
+    expect(library.get_by_role("link")).to_have_count(1)
+    console.get_by_label("Search runs").fill("")
+    console.get_by_label("Starred only").click()
+    expect(library.get_by_role("link")).to_have_count(1)
+    console.get_by_label("Starred only").click()
+
+    library.locator(f"a[href='#/runs/{seeded}']").click()
+    other = console.get_by_role("region", name=f"Run {seeded}")
+    expect(other.get_by_role("status").first).to_contain_text("finished", timeout=60_000)
+    other.get_by_role("button", name="Delete").click()
+    other.get_by_role("button", name="Delete for good?").click()
+    expect(library.locator(f"a[href='#/runs/{seeded}']")).to_have_count(0)
+    assert seeded not in [run["id"] for run in service.ask("/runs")["runs"]]

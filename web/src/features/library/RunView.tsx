@@ -1,0 +1,171 @@
+/** One run of the library: how it ended, its plots and events, what people say of it, its log. */
+import { ActionIcon, Button, Textarea } from "@mantine/core";
+import { useState } from "react";
+import { Panel } from "../../app/Panel";
+import { go, hashOf } from "../../app/route";
+import { Refusal } from "../../api/refusal";
+import { cancelRun, deleteRun, remarkRun } from "../../api/service";
+import type { Run } from "../../api/types";
+import { StoreContext } from "../../store/context";
+import { clock, fixed, plain } from "../../units/units";
+import { useReasonByRole } from "../access/session";
+import { EventLog } from "../events/EventLog";
+import { PlotPanel } from "../plots/PlotPanel";
+import { Download, Ending } from "../runs/RunPanel";
+import { TouchTable } from "../runs/TouchTable";
+import styles from "./LibraryPage.module.css";
+import { isUnderWay, type Recording } from "./use-library";
+
+type Doing = (work: () => Promise<unknown>) => Promise<void>;
+
+const LOGS = [
+  ["mcap", "MCAP"],
+  ["parquet", "Parquet"],
+  ["csv", "CSV"],
+] as const;
+
+function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+  const [sure, setSure] = useState(false);
+  const mayDelete = useReasonByRole("admin");
+  const star = () => doing(() => remarkRun(run.id, { starred: !run.starred }));
+  const remove = () =>
+    doing(async () => {
+      await deleteRun(run.id);
+      go("runs");
+    });
+  return (
+    <header className={styles.head}>
+      <ActionIcon aria-label={run.starred ? "Take the star away" : "Star this run"} aria-pressed={run.starred} onClick={() => void star()}>
+        {run.starred ? "★" : "☆"}
+      </ActionIcon>
+      <h2>{run.id}</h2>
+      <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : run.status}</span>
+      <span className={styles.spring} />
+      {run.ticks > 0 && LOGS.map(([format, label]) => <Download key={format} run={run.id} format={format} label={label} />)}
+      {isUnderWay(run) && run.kind !== "live" && <Button onClick={() => void doing(() => cancelRun(run.id))}>Cancel</Button>}
+      {!isUnderWay(run) && (
+        <Button
+          disabled={mayDelete !== null}
+          title={mayDelete ?? undefined}
+          onClick={() => {
+            if (sure) void remove();
+            else setSure(true);
+          }}
+          onBlur={() => {
+            setSure(false);
+          }}
+        >
+          {sure ? "Delete for good?" : "Delete"}
+        </Button>
+      )}
+    </header>
+  );
+}
+
+function Facts({ run }: { readonly run: Run }) {
+  const facts: readonly (readonly [string, string])[] = [
+    ["Configuration", `${run.configuration}${run.direct ? ", direct caging" : ""}`],
+    ["Impedance m, d, k", Object.values(run.config.control.impedance).map(plain).join(", ")],
+    ["Seed", String(run.seed)],
+    ["Recorded", `${run.ticks} ticks, ${fixed(run.size_bytes / 1e6, 1)} MB`],
+    ["On disk", run.integrity ?? "being written"],
+    ["Versions", Object.entries(run.versions).map(([name, version]) => `${name} ${version}`).join(", ")],
+  ];
+  return (
+    <dl className={styles.facts}>
+      {facts.map(([name, value]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+      {run.parent !== null && (
+        <div>
+          <dt>Comes from</dt>
+          <dd>
+            <a href={hashOf({ page: run.kind === "study" ? "studies" : "runs", item: run.parent })}>{run.parent}</a>
+          </dd>
+        </div>
+      )}
+      {run.note !== null && (
+        <div>
+          <dt>Note of the service</dt>
+          <dd>{run.note}</dd>
+        </div>
+      )}
+    </dl>
+  );
+}
+
+function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+  const [text, setText] = useState("");
+  const add = () =>
+    doing(async () => {
+      await remarkRun(run.id, { notes: [...run.notes, { text: text.trim() }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
+      setText("");
+    });
+  const remove = (place: number) => doing(() => remarkRun(run.id, { notes: run.notes.filter((_, at) => at !== place) }));
+  return (
+    <Panel title="Notes">
+      <ul className={styles.notes}>
+        {run.notes.map((note, place) => (
+          <li key={`${note.at} ${note.text}`}>
+            <p>{note.text}</p>
+            <small>{`${note.who}${typeof note.time === "number" ? ` at ${clock(note.time, 2)}` : ""}`}</small>
+            <Button size="compact-xs" aria-label={`Remove the note: ${note.text}`} onClick={() => void remove(place)}>
+              Remove
+            </Button>
+          </li>
+        ))}
+      </ul>
+      <div className={styles.writing}>
+        <Textarea aria-label="A note on this run" placeholder="What is worth knowing about this run" size="xs" rows={2} value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
+        <Button disabled={text.trim() === ""} onClick={() => void add()}>
+          Add note
+        </Button>
+      </div>
+    </Panel>
+  );
+}
+
+export function RunView({ recording: { run, store }, onChange }: { readonly recording: Recording; readonly onChange: () => void }) {
+  const [refusal, setRefusal] = useState<Refusal | null>(null);
+  const doing: Doing = async (work) => {
+    try {
+      await work();
+      setRefusal(null);
+      onChange();
+    } catch (cause) {
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefusal(cause);
+    }
+  };
+  return (
+    <section className={styles.view} aria-label={`Run ${run.id}`}>
+      <Head run={run} doing={doing} />
+      {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+      <div className={styles.columns}>
+        <div className={styles.column}>
+          {store === null ? (
+            <p className={styles.hint}>Nothing has been recorded yet.</p>
+          ) : (
+            <StoreContext value={store}>
+              <div className={styles.plots}>
+                <PlotPanel recorded />
+              </div>
+              <EventLog />
+            </StoreContext>
+          )}
+        </div>
+        <div className={styles.side}>
+          <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
+            {run.outcome !== null && <Ending outcome={run.outcome} />}
+            {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
+            <Facts run={run} />
+          </Panel>
+          <Notes run={run} doing={doing} />
+        </div>
+      </div>
+    </section>
+  );
+}
