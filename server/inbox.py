@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from server.live_run import Origin
 from server.problems import ServiceBusy
 from sim.capture.snapshot import Published
 
@@ -28,6 +29,7 @@ CommandName = Literal[
     "pause",
     "run",
     "step",
+    "fork",
     "stop",
     "configure",
 ]
@@ -43,6 +45,10 @@ class Request:
     ticks: int = 1
     configuration: str | None = None
     changes: dict[str, Any] = field(default_factory=dict)
+    origin: Origin | None = None
+    """With `fork`: of another run; None for the present mission's own past."""
+    tick: int | None = None
+    """With `fork` of the present mission."""
 
 
 class CommandAnswer(Published):

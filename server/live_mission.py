@@ -10,13 +10,13 @@ from collections.abc import Callable
 from typing import Any
 
 from server.inbox import Request
-from server.live_run import LiveRun
+from server.live_run import LiveRun, Origin
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
 from server.run_folder import LoggedEvent, RunStatus, TickArray, wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
-from sim.capture.replay import FlightHistory, Intervention
+from sim.capture.replay import FlightHistory, Intervention, flown_to
 from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import named_configuration
@@ -48,19 +48,32 @@ class LiveMission:
         recorder: Recorder,
         announce: Callable[[LoggedEvent], None],
         keep: Callable[[TickArray], None],
+        origin: Origin | None = None,
     ) -> None:
-        self._mission = Mission(config)
+        """A mission from its start, or from where another run was at the origin's tick.
+
+        Raises:
+            ConfigError: the configuration cannot be.
+
+        """
+        self._past: list[TickArray] = []
+        self.origin = origin
+        if origin is None:
+            self._mission = Mission(config)
+        else:
+            self._mission = flown_to(origin.history, origin.tick, self._past.append)
+            config = self._mission.config
         self._announce = announce
         self._keep = keep
         self._failure: str | None = None
         self._activity = Activity.NONE
-        self._tick, self._time = 0, 0.0
+        self._tick, self._time = max(0, self._mission.next_tick - 1), self._mission.snapshot().time
         self._name = display_name(configuration, config)
-        self._initial = config
-        self._interventions: list[Intervention] = []
+        self._initial = config if origin is None else origin.history.config
+        self._interventions = [] if origin is None else list(origin.history.interventions)
         self.configuration = configuration
         self.problems = ProblemBoard()
-        self.run = LiveRun(recorder, self._name, config)
+        self.run = LiveRun(recorder, self._name, config, origin)
 
     @property
     def name(self) -> str:
@@ -101,6 +114,33 @@ class LiveMission:
     def begin(self) -> None:
         """Begin the mission's run; the run before it has been closed."""
         self.run.open()
+        for intervention in self._interventions:
+            self.run.log(self._inherited(intervention))
+
+    def tell_past(self) -> None:
+        """Show those who watch the ticks before the fork, which belong to its parent's log."""
+        for rows in self._past:
+            self._keep(rows)
+        self._past = []
+
+    def _inherited(self, intervention: Intervention) -> LoggedEvent:
+        """What was done to the parent, so that the fork's log tells all that its ticks follow from."""
+        tick = intervention.tick
+        command = intervention.command
+        what = f"{command.value} granted" if command is not None else ", ".join(intervention.changes)
+        return LoggedEvent(
+            time=tick * self.config.control.period,
+            tick=tick,
+            kind="config" if command is None else "command",
+            severity="info",
+            message=f"before the fork: {what}",
+            at=wall_clock(),
+            who=None if command is None else self.run.parent,
+            command=None if command is None else command.value,
+            accepted=None if command is None else True,
+            takes_effect=tick,
+            changes=intervention.changes or None,
+        )
 
     def grant(self, command: Command) -> None:
         """Do what was asked, from the next tick on.

@@ -15,6 +15,7 @@ from typing import ClassVar, Literal, NamedTuple
 from server.feed import Feed
 from server.inbox import Answer, CommandAnswer, Inbox, Request
 from server.live_mission import LiveMission, display_name
+from server.live_run import Origin
 from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
@@ -152,21 +153,27 @@ class MissionLoop:
         self._pace.period = following.config.control.period
         self._pace.anchor(now)
         self._feed.begin(following.run.id)
-        self._fly(1, now)
+        following.tell_past()
+        if following.origin is None:  # a fork stands where it was forked until the clock runs
+            self._fly(1, now)
         self._publish(now)
 
     def _replace(self, request: Request, configuration: str, config: MissionConfig, reason: str) -> str:
         """End the present mission and begin another, unless that one cannot be."""
         following = self._new_mission(configuration, config)
-        message = f"{reason}: a new mission with {following.name}"
+        return self._succeed(request, following, reason, f"{reason}: a new mission with {following.name}")
+
+    def _succeed(self, request: Request, following: LiveMission, reason: str, message: str) -> str:
+        """End the present mission and begin the following one."""
         self._finish_step(reason)
         self._flying.log_request(request, accepted=True, message=message)
         self._flying.close()
         self._begin(following)
         return message
 
-    def _new_mission(self, configuration: str, config: MissionConfig) -> LiveMission:
-        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, self._feed.history.keep)
+    def _new_mission(self, configuration: str, config: MissionConfig, origin: Origin | None = None) -> LiveMission:
+        history = self._feed.history
+        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, origin)
 
     def _sleep(self) -> None:
         wait = self._pace.wait(time.monotonic(), resting=self._flying.resting, longest=PUBLISH_PERIOD)
@@ -258,6 +265,23 @@ class MissionLoop:
         config = named_configuration(configuration) if request.configuration else self._flying.config
         return self._replace(request, configuration, config, "reset")
 
+    def _fork(self, request: Request) -> str:
+        """Go on from a tick of the past, with the clock paused."""
+        flying = self._flying
+        origin = request.origin or self._own_past(request.tick or 0)
+        configuration = request.configuration or flying.configuration
+        following = self._new_mission(configuration, flying.config, origin)
+        self._pace.pause()
+        message = f"forked from {origin.parent} at {following.time:.3f} s; the clock is paused"
+        return self._succeed(request, following, "fork", message)
+
+    def _own_past(self, tick: int) -> Origin:
+        flying = self._flying
+        if tick > flying.tick + 1:
+            what = f"tick = {tick}: the mission has flown {flying.tick + 1} ticks"
+            raise MissionRefused(what, tip="fork it at one of them")
+        return Origin(flying.run.id, tick, flying.history.before(tick))
+
     def _configure(self, request: Request) -> str:
         config = revised(self._flying.config, request.changes)
         if self._flying.can_take(config):
@@ -273,6 +297,7 @@ class MissionLoop:
         "run": _run,
         "step": _begin_step,
         "reset": _reset,
+        "fork": _fork,
         "configure": _configure,
     }
 
@@ -344,6 +369,7 @@ class MissionLoop:
             "run": None,
             "step": stepping if paused else "step is refused while the clock runs; pause it first",
             "reset": None,
+            "fork": None,
         }
 
     def _note_own_problems(self, now: float) -> None:

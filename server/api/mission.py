@@ -12,8 +12,12 @@ from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
 from server.history import History
 from server.inbox import CommandAnswer, Request
+from server.live_run import Origin
 from server.problems import LoopSilent
 from server.published import MissionSnapshot
+from server.versions import versions
+from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS
+from sim.errors import MissionRefused
 
 ANSWER_TIME = 2.0
 """How long the mission thread may take to answer [s]."""
@@ -35,11 +39,14 @@ class CommandRequest(BaseModel):
                 {"command": "run", "speed": 0},
                 {"command": "step", "ticks": 10},
                 {"command": "reset", "configuration": "published_figures"},
+                {"command": "fork", "tick": 3000},
             ]
         },
     )
 
-    command: Literal["capture", "detumble", "cage", "direct_cage", "hold", "release", "reset", "pause", "run", "step"]
+    command: Literal[
+        "capture", "detumble", "cage", "direct_cage", "hold", "release", "reset", "pause", "run", "step", "fork"
+    ]
     speed: float | None = Field(
         None,
         ge=0,
@@ -51,13 +58,18 @@ class CommandRequest(BaseModel):
     configuration: str | None = Field(
         None, description="With `reset`: a named configuration; the present one if left out"
     )
+    run: str | None = Field(None, description="With `fork`: a run of the library; the present mission if left out")
+    tick: int | None = Field(None, ge=1, description="With `fork`: the first tick that is flown anew")
 
     @model_validator(mode="after")
     def _fields_belong_to_the_command(self) -> Self:
-        for field, command in (("speed", "run"), ("ticks", "step"), ("configuration", "reset")):
+        owners = {"speed": "run", "ticks": "step", "configuration": "reset", "run": "fork", "tick": "fork"}
+        for field, command in owners.items():
             if getattr(self, field) is not None and self.command != command:
                 value = getattr(self, field)
                 raise ValueError(f"{field} = {value}: it belongs to the command {command}, not to {self.command}")
+        if self.command == "fork" and self.tick is None:
+            raise ValueError("tick = None: fork says from which tick on the mission is flown anew")
         if self.speed is not None and 0 < self.speed < 0.1:
             raise ValueError(f"speed = {self.speed:g}: it is 0 (as fast as it goes) or 0.1 to 100")
         return self
@@ -86,6 +98,8 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
     """Ask something of the mission; the answer says what the mission thread did."""
     ticks = body.ticks or 1
     request = Request(body.command, who=asker, speed=body.speed, ticks=ticks, configuration=body.configuration)
+    if body.command == "fork":
+        request = await asyncio.to_thread(_fork, services, asker, body)
     patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
     return await answered(services, request, patience)
 
@@ -94,6 +108,32 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
 async def stop(services: ServicesDep, asker: AskerDep) -> CommandAnswer:
     """Stop: joint rates zero, in every phase, before everything else that waits."""
     return await answered(services, Request("stop", who=asker))
+
+
+def _fork(services: Services, asker: str, body: CommandRequest) -> Request:
+    """A fork of the present mission, or of a run of the library.
+
+    Raises:
+        RunNotFound: there is no such run.
+        MissionRefused: it has no such tick, or was flown by other versions, which may not fly it to the last bit.
+
+    """
+    assert body.tick is not None, "validated"
+    latest = services.feed.latest
+    if body.run is None or (latest is not None and latest.snapshot.run_id == body.run):
+        return Request("fork", who=asker, tick=body.tick)
+    reader = services.store.read(body.run)
+    last = reader.last_tick()
+    if last is None or body.tick > int(last["tick"][0]) + 1:
+        end = "no tick" if last is None else f"ticks to {int(last['tick'][0])}"
+        raise MissionRefused(f"tick = {body.tick}: run {body.run} has {end}", tip="fork it at one of its ticks")
+    if reader.record.versions != versions():
+        what = f"run {body.run} was flown by {reader.record.versions}, this is {versions()}"
+        raise MissionRefused(what, tip="fly it again with these versions, then fork that run")
+    origin = Origin(body.run, body.tick, reader.history().before(body.tick))
+    configuration = reader.record.configuration.removesuffix(" (edited)")
+    known = configuration if configuration in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
+    return Request("fork", who=asker, origin=origin, configuration=known)
 
 
 async def answered(services: Services, request: Request, patience: float = ANSWER_TIME) -> CommandAnswer:

@@ -6,7 +6,7 @@ recorded states through today's controller; `first_difference` names where two f
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +37,11 @@ class FlightHistory(Published):
     config: MissionConfig = Field(description="At tick 0")
     interventions: tuple[Intervention, ...] = Field((), description="In the order in which they were done")
 
+    def before(self, tick: int) -> FlightHistory:
+        """What the ticks before that one follow from."""
+        kept = tuple(each for each in self.interventions if each.tick < tick)
+        return self.model_copy(update={"interventions": kept})
+
 
 class Difference(NamedTuple):
     """The first number in which two flights differ."""
@@ -50,8 +55,10 @@ class Difference(NamedTuple):
     now: float
 
 
-def flown_to(history: FlightHistory, tick: int) -> Mission:
+def flown_to(history: FlightHistory, tick: int, see: Callable[[Ticks], None] = lambda _: None) -> Mission:
     """The mission with that tick next, as it was before anything was granted or changed at it.
+
+    `see` is shown the ticks before it, arrays of `TICK`, as they are flown.
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
@@ -60,8 +67,9 @@ def flown_to(history: FlightHistory, tick: int) -> Mission:
 
     """
     flight = _Flight(history)
-    for _ in flight.ticks_before(tick):
+    for rows in flight.ticks_before(tick):
         flight.mission.take_events()
+        see(rows)
     return flight.mission
 
 

@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from .conftest import ARTIFACTS, Service
+from .conftest import ARTIFACTS, Service, press
 
 pytestmark = pytest.mark.browser
 
@@ -53,3 +53,27 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     other.get_by_role("button", name="Delete for good?").click()
     expect(library.locator(f"a[href='#/runs/{seeded}']")).to_have_count(0)
     assert seeded not in [run["id"] for run in service.ask("/runs")["runs"]]
+
+
+def test_a_paused_mission_goes_back_and_a_run_goes_on_from_a_moment(console: Page, service: Service) -> None:
+    press(console, "Detumble")
+    clock = console.get_by_role("timer", name="Mission time")
+    press(console, "Pause")
+    console.get_by_label("Ticks in one step").select_option("100")
+    press(console, "Step")
+    parent = service.ask("/mission")
+    press(console, "Back")
+    expect(clock).to_contain_text(f"{parent['time'] - 0.1:06.3f}")
+    fork = service.ask("/mission")
+    assert (fork["tick"], fork["phase"]) == (parent["tick"] - 100, "detumbling")
+    assert service.ask(f"/runs/{fork['run_id']}")["parent"] == parent["run_id"]
+
+    run = _flown(service, direct=True)
+    console.goto(f"{service.address}/#/runs/{run}")
+    view = console.get_by_role("region", name=f"Run {run}")
+    expect(view.get_by_role("status").first).to_contain_text("finished", timeout=60_000)
+    view.get_by_label("Moment of the run in seconds").fill("1.5")
+    view.get_by_role("button", name="Fork there").click()
+    expect(console.get_by_role("list", name="Phases").locator("[aria-current=step]")).to_contain_text("Caging")
+    expect(clock).to_contain_text("01.499")
+    console.screenshot(path=ARTIFACTS / "fork.png")

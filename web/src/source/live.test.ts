@@ -78,6 +78,18 @@ describe("live telemetry", () => {
     expect(calls).toEqual(["snapshot 900", "reset", "history 2", "snapshot 3"]);
   });
 
+  it("asks for the past of a fork, which begins in the middle", async () => {
+    const { sockets, calls, readHistory } = opened();
+    sockets[0]?.tell({ type: "snapshot", tick: 900, time: 0.9, run_id: "a" });
+    vi.advanceTimersByTime(1000);
+    sockets[0]?.tell({ type: "reset", run_id: "fork" });
+    sockets[0]?.tell({ type: "snapshot", tick: 500, time: 0.5, run_id: "fork" });
+    await vi.waitFor(() => {
+      expect(calls).toEqual(["snapshot 900", "reset", "snapshot 500", "history 1"]);
+    });
+    expect(readHistory).toHaveBeenCalledWith(-1);
+  });
+
   it("connects again after a loss, and after silence", () => {
     const { sockets, links } = opened();
     sockets[0]?.onclose?.();

@@ -142,6 +142,7 @@ class Connection {
         break;
       case "reset":
         this.begin(frame.run_id);
+        this.lastTime = 0; // a fork begins later: what lies before it is asked for
         break;
       case "hello":
       case "preparing":

@@ -4,6 +4,7 @@ const SIGNS = {
   play: "M4.500 2.800v10.400L13 8z",
   pause: "M5 3v10M11 3v10",
   step: "M3 3v10l7-5zM13 3v10",
+  back: "M13 3v10L6 8zM3 3v10",
   check: "M2.800 8.500l3.400 3.400 7-7.600",
   cross: "M3.500 3.500l9 9M12.500 3.500l-9 9",
   bar: "M3 8h10",

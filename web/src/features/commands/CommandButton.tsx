@@ -20,13 +20,15 @@ interface CommandButtonProps extends ButtonProps {
   readonly sign?: Sign;
   /** What goes along with the command. */
   readonly request?: Omit<CommandRequest, "command">;
+  /** Why the page itself will not have it now. */
+  readonly against?: string | null;
 }
 
-export function CommandButton({ words, sign, request = {}, ...button }: CommandButtonProps) {
+export function CommandButton({ words, sign, request = {}, against = null, ...button }: CommandButtonProps) {
   const desk = useDesk();
   const byRole = useReasonByRole("operator");
   const byMission = useView((view) => reasonAgainst(view, words.command));
-  const reason = byRole ?? byMission;
+  const reason = byRole ?? byMission ?? against;
   const waiting = useDeskView((view) => view.waiting.has(words.command));
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);

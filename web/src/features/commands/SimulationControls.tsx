@@ -3,18 +3,24 @@ import { NativeSelect } from "@mantine/core";
 import { useState } from "react";
 import { useSnapshot, useView } from "../../store/context";
 import { fixed } from "../../units/units";
-import { PAUSE, RUN, speedsWith, STEP } from "./catalogue";
+import { BACK, PAUSE, RUN, speedsWith, STEP } from "./catalogue";
 import { CommandButton } from "./CommandButton";
 import styles from "./CommandPanel.module.css";
 import { useDesk } from "./context";
 
 const TICKS = ["1", "10", "100", "1000"];
 
+function backRefusal(running: boolean, tick: number): string | null {
+  if (running) return "Pause the clock first.";
+  return tick < 2 ? "There is nothing to go back to." : null;
+}
+
 export function SimulationControls() {
   const desk = useDesk();
   const running = useSnapshot((snapshot) => snapshot.plant.running) ?? false;
   const speed = useSnapshot((snapshot) => snapshot.plant.speed) ?? 1;
   const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
+  const tick = useSnapshot((snapshot) => snapshot.tick) ?? 0;
   const live = useView((view) => view.trust === "live");
   const [chosen, setChosen] = useState<string | null>(null);
   const [ticks, setTicks] = useState("1");
@@ -44,7 +50,10 @@ export function SimulationControls() {
           choose(event.currentTarget.value);
         }}
       />
-      <CommandButton words={STEP} sign="step" request={{ ticks: Number(ticks) }} />
+      <div className={styles.steps}>
+        <CommandButton words={BACK} sign="back" request={{ tick: Math.max(1, tick + 1 - Number(ticks)) }} against={backRefusal(running, tick)} />
+        <CommandButton words={STEP} sign="step" request={{ ticks: Number(ticks) }} />
+      </div>
       <NativeSelect
         aria-label="Ticks in one step"
         value={ticks}

@@ -31,8 +31,14 @@ export const PAUSE: CommandWords = { command: "pause", label: "Pause", does: "Mi
 export const RUN: CommandWords = { command: "run", label: "Run", does: "Mission time goes on at the chosen speed." };
 export const STEP: CommandWords = { command: "step", label: "Step", does: "Advances by this many control ticks, then waits." };
 
+export const BACK: CommandWords = {
+  command: "fork",
+  label: "Back",
+  does: "Takes a paused mission back by this many ticks and goes on from there as a new run; what was flown stays in the library.",
+};
+
 const LABELS = new Map(
-  [CAPTURE, ...SEQUENCE, RESET, PAUSE, RUN, STEP].map(({ command, label }): [string, string] => [command, label]),
+  [CAPTURE, ...SEQUENCE, RESET, PAUSE, RUN, STEP, BACK].map(({ command, label }): [string, string] => [command, label]),
 );
 
 export const labelOf = (order: string): string => LABELS.get(order) ?? "STOP";

@@ -1,13 +1,13 @@
 /** One run of the library: how it ended, its plots and events, what people say of it, its log. */
-import { ActionIcon, Button, Textarea } from "@mantine/core";
+import { ActionIcon, Button, Textarea, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { Panel } from "../../app/Panel";
 import { go, hashOf } from "../../app/route";
 import { Refusal } from "../../api/refusal";
-import { cancelRun, deleteRun, remarkRun } from "../../api/service";
+import { cancelRun, deleteRun, remarkRun, sendCommand } from "../../api/service";
 import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
-import { clock, fixed, plain } from "../../units/units";
+import { clock, fixed, parsed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
 import { EventLog } from "../events/EventLog";
 import { PlotPanel } from "../plots/PlotPanel";
@@ -97,6 +97,31 @@ function Facts({ run }: { readonly run: Run }) {
   );
 }
 
+/** Makes a moment of this run the live mission, paused, as a run of its own. */
+function Fork({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+  const [time, setTime] = useState("");
+  const reason = useReasonByRole("operator");
+  const moment = parsed(time);
+  const sound = moment !== null && moment > 0 && moment <= run.duration;
+  const fork = () =>
+    doing(async () => {
+      if (moment === null) return;
+      await sendCommand({ command: "fork", run: run.id, tick: Math.max(1, Math.round(moment / run.config.control.period)) });
+      go("mission");
+    });
+  return (
+    <Panel title="Go on from a moment">
+      <div className={styles.writing}>
+        <p className={styles.why}>Puts the mission where this run was, paused: change parameters, then run. It becomes a run of its own.</p>
+        <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTime(event.currentTarget.value); }} />
+        <Button disabled={!sound || reason !== null} title={reason ?? undefined} onClick={() => void fork()}>
+          Fork there
+        </Button>
+      </div>
+    </Panel>
+  );
+}
+
 function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
   const [text, setText] = useState("");
   const add = () =>
@@ -163,6 +188,7 @@ export function RunView({ recording: { run, store }, onChange }: { readonly reco
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <Facts run={run} />
           </Panel>
+          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} doing={doing} />}
           <Notes run={run} doing={doing} />
         </div>
       </div>

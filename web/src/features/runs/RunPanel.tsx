@@ -70,7 +70,7 @@ export function RunPanel() {
       {run !== null && recorded && (
         <div className={styles.downloads}>
           <a href={hashOf({ page: "runs", item: run })}>In the library</a>
-          <span>Log, every tick</span>
+          <span />
           <Download run={run} format="csv" label="CSV" />
           <Download run={run} format="parquet" label="Parquet" />
         </div>

@@ -1,0 +1,103 @@
+"""A fork goes on from a moment of the past: as its parent bit for bit, or on a way of its own that can be replayed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from becalm.replaying import replay
+from server.api import mission as api
+
+FORK = 3600
+"""In the middle of the first touch of `published`, which lasts from 3.456 s to 4.116 s after the command."""
+
+
+async def _flown(console) -> str:
+    """A capture to its verdict; the run's identifier."""
+    await console.granted("reset", configuration="published")
+    await console.granted("run", speed=0)
+    await console.granted("capture")
+    await console.until(lambda snapshot: snapshot.outcome is not None)
+    run_id = (await console.snapshot())["run_id"]
+    await console.until_run(run_id, "finished")
+    return run_id
+
+
+async def _to_the_verdict(console) -> str:
+    run_id = (await console.snapshot())["run_id"]
+    await console.granted("run", speed=0)
+    await console.until(lambda snapshot: snapshot.run_id == run_id and snapshot.outcome is not None)
+    await console.until_run(run_id, "finished")
+    return run_id
+
+
+def _ticks(console, run_id: str, first: int) -> np.ndarray:
+    rows = np.concatenate(list(console.services.store.read(run_id).chunks()))
+    return rows[rows["tick"] >= first]
+
+
+async def test_an_unchanged_fork_is_its_parent_bit_for_bit_and_replays(console):
+    parent = await _flown(console)
+    answer = await console.granted("fork", tick=FORK)
+    assert "paused" in answer["message"]
+    now = await console.snapshot()
+    assert (now["tick"], now["plant"]["running"]) == (FORK - 1, False)
+    fork = await _to_the_verdict(console)
+    record = (await console.http.get(f"/runs/{fork}")).json()
+    assert (record["kind"], record["parent"], record["forked_at"]) == ("fork", parent, FORK)
+    ours, theirs = _ticks(console, fork, FORK), _ticks(console, parent, FORK)
+    assert ours["tick"][0] == FORK
+    until = min(len(ours), len(theirs))
+    assert until > 3000
+    assert ours[:until].tobytes() == theirs[:until].tobytes()
+    report = replay(console.services.store.read(fork))
+    assert report["rerun"]["same"]
+
+
+async def test_a_fork_of_a_library_run_goes_its_own_way(console):
+    parent = await _flown(console)
+    await console.granted("reset")
+    await console.granted("fork", run=parent, tick=FORK)
+    changed = await console.http.patch("/mission/config", json={"control": {"impedance": {"damping": 6.0}}})
+    assert changed.status_code == 200
+    fork = await _to_the_verdict(console)
+    ours, theirs = _ticks(console, fork, FORK), _ticks(console, parent, FORK)
+    assert ours["target_twist"][0].tobytes() == theirs["target_twist"][0].tobytes()
+    assert not np.array_equal(ours["target_twist"][1000], theirs["target_twist"][1000])
+    assert replay(console.services.store.read(fork))["rerun"]["same"]
+    again = (await console.granted("fork", tick=FORK + 500))["message"]
+    assert fork in again
+
+
+async def test_the_history_reaches_back_before_the_fork(console):
+    await _flown(console)
+    await console.granted("fork", tick=FORK)
+    history = (await console.http.get("/mission/history")).json()
+    names = [column["name"] for column in history["columns"]]
+    ticks = [row[names.index("mission.tick")] for row in history["rows"]]
+    assert ticks[0] < 100
+    assert FORK - 100 < ticks[-1] < FORK
+
+
+@pytest.mark.parametrize(
+    ("wanted", "status", "words"),
+    [
+        ({}, 422, "tick"),
+        ({"tick": 0}, 422, "tick"),
+        ({"tick": 10_000_000}, 409, "has flown"),
+        ({"run": "20261122T113000123-4f9a2c", "tick": 5}, 404, "does not exist"),
+    ],
+)
+async def test_what_cannot_be_forked_is_said(console, wanted, status, words):
+    answer = await console.command("fork", **wanted)
+    assert answer.status_code == status
+    assert words in answer.json()["detail"]
+
+
+async def test_a_run_of_other_versions_is_not_forked(console, monkeypatch):
+    parent = await _flown(console)
+    await console.granted("reset")
+    monkeypatch.setattr(api, "versions", lambda: {"becalm": "9"})
+    answer = await console.command("fork", run=parent, tick=FORK)
+    assert answer.status_code == 409
+    assert "was flown by" in answer.json()["detail"]
