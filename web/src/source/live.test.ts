@@ -35,6 +35,20 @@ function recordingSink() {
 
 const emptyHistory = { columns: [], rows: [] };
 
+function opened() {
+  const sockets: FakeSocket[] = [];
+  const readHistory = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1]] }));
+  const connect = (): Socket => {
+    const socket = new FakeSocket();
+    sockets.push(socket);
+    return socket;
+  };
+  const recorded = recordingSink();
+  const end = new LiveSource({ connect, readHistory }).open(recorded.sink);
+  sockets[0]?.onopen?.();
+  return { ...recorded, sockets, readHistory, end };
+}
+
 describe("live telemetry", () => {
   beforeEach(() => {
     vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "setInterval", "clearInterval", "performance"] });
@@ -42,20 +56,6 @@ describe("live telemetry", () => {
   afterEach(() => {
     vi.useRealTimers();
   });
-
-  function opened() {
-    const sockets: FakeSocket[] = [];
-    const readHistory = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1]] }));
-    const connect = (): Socket => {
-      const socket = new FakeSocket();
-      sockets.push(socket);
-      return socket;
-    };
-    const recorded = recordingSink();
-    const end = new LiveSource({ connect, readHistory }).open(recorded.sink);
-    sockets[0]?.onopen?.();
-    return { ...recorded, sockets, readHistory, end };
-  }
 
   it("passes frames on in their order", () => {
     const { sockets, calls } = opened();
