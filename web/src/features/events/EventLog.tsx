@@ -30,7 +30,8 @@ function Entry({ event }: { readonly event: MissionEvent }) {
   );
 }
 
-export function EventLog() {
+/** Of a mission that flies, or of a recording, which does not grow old. */
+export function EventLog({ recorded = false }: { readonly recorded?: boolean }) {
   const events = useView((view) => view.events);
   const log = useRef<HTMLDivElement>(null);
   const [back, setBack] = useState(false);
@@ -41,7 +42,7 @@ export function EventLog() {
     </button>
   );
   return (
-    <Panel title="Events" grow dated aside={latest}>
+    <Panel title="Events" grow dated={!recorded} aside={latest}>
       <div
         ref={log}
         className={styles.log}

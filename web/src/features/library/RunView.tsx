@@ -178,7 +178,7 @@ export function RunView({ recording: { run, store }, onChange }: { readonly reco
               <div className={styles.plots}>
                 <PlotPanel recorded />
               </div>
-              <EventLog />
+              <EventLog recorded />
             </StoreContext>
           )}
         </div>

@@ -114,7 +114,7 @@ export function PlotPanel({ recorded = false }: { readonly recorded?: boolean })
   );
   return (
     <div className={styles.place}>
-      <Panel title="Plots" grow dated aside={aside}>
+      <Panel title="Plots" grow dated={!recorded} aside={aside}>
         <div className={styles.plots}>
           {plots.map((definition, place) => (
             <Plot key={definition.id} definition={definition} timed={place >= lowest} events={events} register={register} />
