@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
 
@@ -25,6 +26,9 @@ CELLS = 12
 STUDY: Study = study_of(
     {"name": "masses", "direct": True, "grid": {"control.impedance.mass": {"from": 0.1, "to": 0.6, "count": CELLS}}}
 )
+PATIENCE = 120.0
+"""For a process of Dask to be ready [s]: bounds a hang."""
+
 QUIET = ("--no-dashboard", "--host", "127.0.0.1")
 
 
@@ -34,9 +38,14 @@ def _started(stack: ExitStack, program: str, *arguments: str, says: str) -> tupl
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     stack.callback(_ended, process)
     assert process.stderr is not None
-    for line in process.stderr:
-        if found := re.search(says, line):
-            return process, found[1]
+    patience = threading.Timer(PATIENCE, process.kill)
+    patience.start()
+    try:
+        for line in process.stderr:
+            if found := re.search(says, line):
+                return process, found[1]
+    finally:
+        patience.cancel()
     pytest.fail(f"dask {program} ended with {process.wait(5)}")
 
 
