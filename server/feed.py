@@ -122,9 +122,9 @@ class Feed:
         """Tell everyone what happened."""
         self._send(Frame("event", '{"type":"event",' + event.model_dump_json()[1:], event.tick))
 
-    def begin(self, run_id: str) -> None:
-        """A new mission begins: what was before is history no more."""
-        self.history.clear()
+    def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
+        """A new mission begins, perhaps with a past: what was before is history no more."""
+        self.history.begin(past)
         self._send(Frame("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
 
     def _send(self, frame: Frame) -> None:

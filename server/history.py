@@ -49,10 +49,10 @@ class HistoryRing:
         self._stride = FIRST_STRIDE
         self._rows: list[tuple[int, str]] = []
 
-    def clear(self) -> None:
-        """Forget everything: a new mission begins."""
-        self._stride = FIRST_STRIDE
-        self._rows = []
+    def begin(self, past: HistoryRing | None = None) -> None:
+        """Hold nothing but that past: a new mission begins."""
+        self._stride = FIRST_STRIDE if past is None else past._stride
+        self._rows = [] if past is None else list(past._rows)
 
     def keep(self, ticks: TickArray) -> None:
         """Keep every stride-th of these rows of `TICK`."""

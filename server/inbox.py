@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from server.live_run import Origin
+from server.fork import Fork
 from server.problems import ServiceBusy
 from sim.capture.snapshot import Published
 
@@ -45,10 +45,7 @@ class Request:
     ticks: int = 1
     configuration: str | None = None
     changes: dict[str, Any] = field(default_factory=dict)
-    origin: Origin | None = None
-    """With `fork`: of another run; None for the present mission's own past."""
-    tick: int | None = None
-    """With `fork` of the present mission."""
+    fork: Fork | None = None
 
 
 class CommandAnswer(Published):

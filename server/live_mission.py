@@ -9,14 +9,15 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
+from server.fork import Fork
 from server.inbox import Request
-from server.live_run import LiveRun, Origin
+from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
 from server.run_folder import LoggedEvent, RunStatus, TickArray, wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
-from sim.capture.replay import FlightHistory, Intervention, flown_to
+from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import named_configuration
@@ -48,32 +49,28 @@ class LiveMission:
         recorder: Recorder,
         announce: Callable[[LoggedEvent], None],
         keep: Callable[[TickArray], None],
-        origin: Origin | None = None,
+        fork: Fork | None = None,
     ) -> None:
-        """A mission from its start, or from where another run was at the origin's tick.
+        """A mission with that configuration from its start, or the fork's from where it stands.
 
         Raises:
             ConfigError: the configuration cannot be.
 
         """
-        self._past: list[TickArray] = []
-        self.origin = origin
-        if origin is None:
-            self._mission = Mission(config)
-        else:
-            self._mission = flown_to(origin.history, origin.tick, self._past.append)
-            config = self._mission.config
+        self.fork = fork
+        self._mission = Mission(config) if fork is None else fork.mission
+        config = self._mission.config
         self._announce = announce
         self._keep = keep
         self._failure: str | None = None
         self._activity = Activity.NONE
         self._tick, self._time = max(0, self._mission.next_tick - 1), self._mission.snapshot().time
         self._name = display_name(configuration, config)
-        self._initial = config if origin is None else origin.history.config
-        self._interventions = [] if origin is None else list(origin.history.interventions)
+        self._initial = config if fork is None else fork.history.config
+        self._interventions = [] if fork is None else list(fork.history.interventions)
         self.configuration = configuration
         self.problems = ProblemBoard()
-        self.run = LiveRun(recorder, self._name, config, origin)
+        self.run = LiveRun(recorder, self._name, config, fork)
 
     @property
     def name(self) -> str:
@@ -117,12 +114,6 @@ class LiveMission:
         for intervention in self._interventions:
             self.run.log(self._inherited(intervention))
 
-    def tell_past(self) -> None:
-        """Show those who watch the ticks before the fork, which belong to its parent's log."""
-        for rows in self._past:
-            self._keep(rows)
-        self._past = []
-
     def _inherited(self, intervention: Intervention) -> LoggedEvent:
         """What was done to the parent, so that the fork's log tells all that its ticks follow from."""
         tick = intervention.tick
@@ -135,7 +126,6 @@ class LiveMission:
             severity="info",
             message=f"before the fork: {what}",
             at=wall_clock(),
-            who=None if command is None else self.run.parent,
             command=None if command is None else command.value,
             accepted=None if command is None else True,
             takes_effect=tick,

@@ -7,12 +7,12 @@ verdict, or until nothing has moved for a while; the next such command goes on r
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
+from server.fork import Fork
 from server.recorder import Recorder
 from server.run_folder import LoggedEvent, RunStatus, TickArray
 from server.runs import new_record
-from sim.capture.replay import FlightHistory
 from sim.capture.snapshot import Outcome
 from sim.config import MissionConfig
 
@@ -20,33 +20,19 @@ REST_AFTER = 5.0
 """Mission time without motion, beyond the hold before a verdict, after which recording rests [s]."""
 
 
-class Origin(NamedTuple):
-    """Where a mission was forked from."""
-
-    parent: str
-    """The run."""
-    tick: int
-    """The first tick that is the fork's own."""
-    history: FlightHistory
-    """What the ticks before it follow from."""
-
-
 class LiveRun:
     """The run of one live mission. Used by the mission thread only."""
 
-    def __init__(
-        self, recorder: Recorder, configuration: str, config: MissionConfig, origin: Origin | None = None
-    ) -> None:
-        """Of a mission that begins, or that goes on from a tick of another run: that one is recorded at once."""
-        if origin is None:
+    def __init__(self, recorder: Recorder, configuration: str, config: MissionConfig, fork: Fork | None = None) -> None:
+        """Of a mission that begins, or of a fork, which is recorded at once."""
+        if fork is None:
             record = new_record("live", configuration, config)
         else:
-            marks = {"status": "running", "parent": origin.parent, "forked_at": origin.tick}
-            record = new_record("fork", configuration, origin.history.config, **marks)
+            marks = {"status": "running", "parent": fork.parent.run_id, "forked_at": fork.tick}
+            record = new_record("fork", configuration, fork.history.config, **marks)
         self.id = record.id
-        self.parent = record.parent
         self._recorder = recorder
-        self._recording = self._has_first_tick = self._has_moved = origin is not None
+        self._recording = self._has_first_tick = self._has_moved = fork is not None
         self._quiet_since: float | None = None
         self._record = record
 

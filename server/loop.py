@@ -13,9 +13,9 @@ from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple
 
 from server.feed import Feed
+from server.fork import Flight, Fork
 from server.inbox import Answer, CommandAnswer, Inbox, Request
 from server.live_mission import LiveMission, display_name
-from server.live_run import Origin
 from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
@@ -100,6 +100,19 @@ class MissionLoop:
         """Wall time since the last tick was flown [s]."""
         return None if self._flown_at is None else time.monotonic() - self._flown_at
 
+    @property
+    def flight(self) -> Flight:
+        """What the mission has flown until now; for any thread.
+
+        Raises:
+            ServiceBusy: there is no mission yet.
+
+        """
+        flying = self._mission
+        if flying is None:
+            raise self.not_ready()
+        return Flight(flying.run.id, flying.configuration, flying.history, flying.tick + 1)
+
     def ask(self, request: Request) -> Answer:
         """Put a request before the mission thread.
 
@@ -152,9 +165,8 @@ class MissionLoop:
         now = time.monotonic()
         self._pace.period = following.config.control.period
         self._pace.anchor(now)
-        self._feed.begin(following.run.id)
-        following.tell_past()
-        if following.origin is None:  # a fork stands where it was forked until the clock runs
+        self._feed.begin(following.run.id, following.fork.past if following.fork else None)
+        if following.fork is None:  # a fork stands where it was forked until the clock runs
             self._fly(1, now)
         self._publish(now)
 
@@ -171,9 +183,9 @@ class MissionLoop:
         self._begin(following)
         return message
 
-    def _new_mission(self, configuration: str, config: MissionConfig, origin: Origin | None = None) -> LiveMission:
+    def _new_mission(self, configuration: str, config: MissionConfig, fork: Fork | None = None) -> LiveMission:
         history = self._feed.history
-        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, origin)
+        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, fork)
 
     def _sleep(self) -> None:
         wait = self._pace.wait(time.monotonic(), resting=self._flying.resting, longest=PUBLISH_PERIOD)
@@ -266,21 +278,13 @@ class MissionLoop:
         return self._replace(request, configuration, config, "reset")
 
     def _fork(self, request: Request) -> str:
-        """Go on from a tick of the past, with the clock paused."""
-        flying = self._flying
-        origin = request.origin or self._own_past(request.tick or 0)
-        configuration = request.configuration or flying.configuration
-        following = self._new_mission(configuration, flying.config, origin)
+        """Go on from a moment of the past, with the clock paused."""
+        fork = request.fork
+        assert fork is not None, "whoever asks has flown it there"
+        following = self._new_mission(fork.parent.configuration, fork.mission.config, fork)
         self._pace.pause()
-        message = f"forked from {origin.parent} at {following.time:.3f} s; the clock is paused"
+        message = f"forked from {fork.parent.run_id} at {following.time:.3f} s; the clock is paused"
         return self._succeed(request, following, "fork", message)
-
-    def _own_past(self, tick: int) -> Origin:
-        flying = self._flying
-        if tick > flying.tick + 1:
-            what = f"tick = {tick}: the mission has flown {flying.tick + 1} ticks"
-            raise MissionRefused(what, tip="fork it at one of them")
-        return Origin(flying.run.id, tick, flying.history.before(tick))
 
     def _configure(self, request: Request) -> str:
         config = revised(self._flying.config, request.changes)

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
+from server.fork import Flight, Fork, forked
 from server.history import History
 from server.inbox import CommandAnswer, Request
-from server.live_run import Origin
 from server.problems import LoopSilent
 from server.published import MissionSnapshot
 from server.versions import versions
@@ -97,9 +97,10 @@ async def history(
 async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) -> CommandAnswer:
     """Ask something of the mission; the answer says what the mission thread did."""
     ticks = body.ticks or 1
-    request = Request(body.command, who=asker, speed=body.speed, ticks=ticks, configuration=body.configuration)
-    if body.command == "fork":
-        request = await asyncio.to_thread(_fork, services, asker, body)
+    fork = None if body.tick is None else await asyncio.to_thread(_forked, services, body.run, body.tick)
+    request = Request(
+        body.command, who=asker, speed=body.speed, ticks=ticks, configuration=body.configuration, fork=fork
+    )
     patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
     return await answered(services, request, patience)
 
@@ -110,30 +111,27 @@ async def stop(services: ServicesDep, asker: AskerDep) -> CommandAnswer:
     return await answered(services, Request("stop", who=asker))
 
 
-def _fork(services: Services, asker: str, body: CommandRequest) -> Request:
-    """A fork of the present mission, or of a run of the library.
+def _forked(services: Services, run_id: str | None, tick: int) -> Fork:
+    """The present mission, or a run of the library, flown again to that tick.
 
     Raises:
         RunNotFound: there is no such run.
         MissionRefused: it has no such tick, or was flown by other versions, which may not fly it to the last bit.
 
     """
-    assert body.tick is not None, "validated"
-    latest = services.feed.latest
-    if body.run is None or (latest is not None and latest.snapshot.run_id == body.run):
-        return Request("fork", who=asker, tick=body.tick)
-    reader = services.store.read(body.run)
-    last = reader.last_tick()
-    if last is None or body.tick > int(last["tick"][0]) + 1:
-        end = "no tick" if last is None else f"ticks to {int(last['tick'][0])}"
-        raise MissionRefused(f"tick = {body.tick}: run {body.run} has {end}", tip="fork it at one of its ticks")
+    flight = services.loop.flight
+    return forked(flight if run_id in (None, flight.run_id) else _kept_flight(services, run_id or ""), tick)
+
+
+def _kept_flight(services: Services, run_id: str) -> Flight:
+    reader = services.store.read(run_id)
     if reader.record.versions != versions():
-        what = f"run {body.run} was flown by {reader.record.versions}, this is {versions()}"
+        what = f"run {run_id} was flown by {reader.record.versions}, this is {versions()}"
         raise MissionRefused(what, tip="fly it again with these versions, then fork that run")
-    origin = Origin(body.run, body.tick, reader.history().before(body.tick))
-    configuration = reader.record.configuration.removesuffix(" (edited)")
-    known = configuration if configuration in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
-    return Request("fork", who=asker, origin=origin, configuration=known)
+    name = reader.record.configuration.removesuffix(" (edited)")
+    known = name if name in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
+    last = reader.last_tick()
+    return Flight(run_id, known, reader.history(), 0 if last is None else int(last["tick"][0]) + 1)
 
 
 async def answered(services: Services, request: Request, patience: float = ANSWER_TIME) -> CommandAnswer:

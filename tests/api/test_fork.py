@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
+import threading
+
 import numpy as np
 import pytest
 
 from becalm.replaying import replay
+from server import fork
 from server.api import mission as api
 
 FORK = 3600
@@ -42,15 +46,15 @@ async def test_an_unchanged_fork_is_its_parent_bit_for_bit_and_replays(console):
     assert "paused" in answer["message"]
     now = await console.snapshot()
     assert (now["tick"], now["plant"]["running"]) == (FORK - 1, False)
-    fork = await _to_the_verdict(console)
-    record = (await console.http.get(f"/runs/{fork}")).json()
+    flown = await _to_the_verdict(console)
+    record = (await console.http.get(f"/runs/{flown}")).json()
     assert (record["kind"], record["parent"], record["forked_at"]) == ("fork", parent, FORK)
-    ours, theirs = _ticks(console, fork, FORK), _ticks(console, parent, FORK)
+    ours, theirs = _ticks(console, flown, FORK), _ticks(console, parent, FORK)
     assert ours["tick"][0] == FORK
     until = min(len(ours), len(theirs))
     assert until > 3000
     assert ours[:until].tobytes() == theirs[:until].tobytes()
-    report = replay(console.services.store.read(fork))
+    report = replay(console.services.store.read(flown))
     assert report["rerun"]["same"]
 
 
@@ -60,13 +64,13 @@ async def test_a_fork_of_a_library_run_goes_its_own_way(console):
     await console.granted("fork", run=parent, tick=FORK)
     changed = await console.http.patch("/mission/config", json={"control": {"impedance": {"damping": 6.0}}})
     assert changed.status_code == 200
-    fork = await _to_the_verdict(console)
-    ours, theirs = _ticks(console, fork, FORK), _ticks(console, parent, FORK)
+    flown = await _to_the_verdict(console)
+    ours, theirs = _ticks(console, flown, FORK), _ticks(console, parent, FORK)
     assert ours["target_twist"][0].tobytes() == theirs["target_twist"][0].tobytes()
     assert not np.array_equal(ours["target_twist"][1000], theirs["target_twist"][1000])
-    assert replay(console.services.store.read(fork))["rerun"]["same"]
+    assert replay(console.services.store.read(flown))["rerun"]["same"]
     again = (await console.granted("fork", tick=FORK + 500))["message"]
-    assert fork in again
+    assert flown in again
 
 
 async def test_the_history_reaches_back_before_the_fork(console):
@@ -92,6 +96,35 @@ async def test_what_cannot_be_forked_is_said(console, wanted, status, words):
     answer = await console.command("fork", **wanted)
     assert answer.status_code == status
     assert words in answer.json()["detail"]
+
+
+async def test_stop_is_answered_while_a_long_past_is_flown_again(console, monkeypatch):
+    await console.granted("detumble")
+    begun, may_end = threading.Event(), threading.Event()
+    fly_again = fork.flown_to
+
+    def slowly(*arguments):
+        begun.set()
+        assert may_end.wait(30)
+        return fly_again(*arguments)
+
+    monkeypatch.setattr(fork, "flown_to", slowly)
+    forking = asyncio.create_task(console.command("fork", tick=1))
+    assert await asyncio.to_thread(begun.wait, 30)
+    stopped = await console.http.post("/mission/stop")
+    assert (stopped.status_code, stopped.json()["phase"]) == (200, "stopped")
+    assert not forking.done()
+    may_end.set()
+    assert (await forking).status_code == 200
+
+
+async def test_a_past_that_is_too_long_is_refused(console, monkeypatch):
+    await console.granted("detumble")
+    await console.until(lambda snapshot: snapshot.tick > 100)
+    monkeypatch.setattr(fork, "LONGEST_PAST", 0.05)
+    answer = await console.command("fork", tick=90)
+    assert answer.status_code == 409
+    assert "after the start" in answer.json()["detail"]
 
 
 async def test_a_run_of_other_versions_is_not_forked(console, monkeypatch):

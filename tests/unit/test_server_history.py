@@ -60,6 +60,6 @@ def test_what_is_not_finite_is_null():
 def test_clear_begins_anew():
     history = HistoryRing()
     history.keep(_ticks(0, 100_000))
-    history.clear()
+    history.begin()
     history.keep(_ticks(0, FIRST_STRIDE + 1))
     assert len(_read(history)["rows"]) == 2

@@ -62,8 +62,16 @@ export const signOut = (): Promise<null> => nothingOf(client.DELETE("/api/v1/ses
 
 export const readHealth = (): Promise<Health> => bodyOf(client.GET("/api/v1/health", within(2000)));
 
+/** A fork is flown again from its start, and a very large study in part, before the service answers. */
+const LONG_ANSWER_TIME = 120_000;
+
 export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
-  bodyOf(client.POST("/api/v1/mission/commands", { body: request, ...within(ANSWER_TIME) }));
+  bodyOf(
+    client.POST("/api/v1/mission/commands", {
+      body: request,
+      ...within(request.command === "fork" ? LONG_ANSWER_TIME : ANSWER_TIME),
+    }),
+  );
 
 export const stopMission = (): Promise<CommandAnswer> => bodyOf(client.POST("/api/v1/mission/stop", within(1500)));
 
@@ -125,11 +133,8 @@ export const readRows = (id: string, after: number): Promise<StudyRowPage> =>
     }),
   );
 
-/** To estimate how long a very large study takes, the service flies some of its cells first. */
-const ESTIMATE_TIME = 120_000;
-
 export const startStudy = (request: StudyRequest): Promise<StudyDetail> =>
-  bodyOf(client.POST("/api/v1/studies", { body: request, ...within(ESTIMATE_TIME) }));
+  bodyOf(client.POST("/api/v1/studies", { body: request, ...within(LONG_ANSWER_TIME) }));
 
 export const cancelStudy = (id: string): Promise<StudyDetail> =>
   bodyOf(client.POST("/api/v1/studies/{study_id}/cancel", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));
