@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
 
@@ -30,13 +32,13 @@ M = TypeVar("M", bound=BaseModel)
 class ServiceRefused(CaptureError):
     """The service answered with an error; `status`, and `errors` with the fields that cannot be, say which."""
 
-    def __init__(self, answer: httpx.Response) -> None:
+    def __init__(self, status: int, body: bytes) -> None:
         try:
-            problem: dict[str, Any] = answer.json()
+            problem: dict[str, Any] = json.loads(body)
         except ValueError:
-            problem = {"detail": answer.text[:200] or answer.reason_phrase}
-        super().__init__(str(problem.get("detail", answer.reason_phrase)), tip=str(problem.get("tip", "")))
-        self.status = answer.status_code
+            problem = {"detail": body[:200].decode(errors="replace") or HTTPStatus(status).phrase}
+        super().__init__(str(problem.get("detail", HTTPStatus(status).phrase)), tip=str(problem.get("tip", "")))
+        self.status = status
         self.errors: list[dict[str, Any]] = problem.get("errors") or []
 
 
@@ -68,7 +70,7 @@ def read_answer(call: Call[T], answer: httpx.Response) -> T:
 
     """
     if answer.is_error:
-        raise ServiceRefused(answer)
+        raise ServiceRefused(answer.status_code, answer.content)
     return call.read(answer)
 
 

@@ -23,14 +23,15 @@ from urllib.parse import urlencode
 
 import httpx
 from websockets.asyncio.client import connect as connect_async
-from websockets.exceptions import WebSocketException
+from websockets.exceptions import InvalidStatus, WebSocketException
 from websockets.sync.client import connect
 
 from becalm import calls
-from becalm.calls import Call, ServiceUnreachable, read_answer
+from becalm.calls import Call, ServiceRefused, ServiceUnreachable, read_answer
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
 from server.published import MissionSnapshot
+from sim.errors import CaptureError
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -68,6 +69,13 @@ def _snapshot(frame: str | bytes) -> MissionSnapshot | None:
     if message.pop("type") != "snapshot":
         return None
     return MissionSnapshot.model_validate_json(json.dumps(message))
+
+
+def _failure(place: _Place, error: Exception) -> CaptureError:
+    """Why there is no telemetry."""
+    if isinstance(error, InvalidStatus):
+        return ServiceRefused(error.response.status_code, bytes(error.response.body))
+    return ServiceUnreachable(place.address, error)
 
 
 def _rest(deadline: float) -> float:
@@ -169,7 +177,7 @@ class Client:
                         if snapshot.outcome is not None:
                             return
         except (OSError, WebSocketException) as error:
-            raise ServiceUnreachable(self._place.address, error) from None
+            raise _failure(self._place, error) from None
 
     def runs(self, **filters: Any) -> Iterator[RunSummary]:
         """The library, newest first; filters as `GET /runs` has them: `status="finished"`, `text="slips"`, ..."""
@@ -271,7 +279,7 @@ class AsyncClient:
                         if snapshot.outcome is not None:
                             return
         except (OSError, WebSocketException) as error:
-            raise ServiceUnreachable(self._place.address, error) from None
+            raise _failure(self._place, error) from None
 
     async def runs(self, **filters: Any) -> AsyncIterator[RunSummary]:
         """The library, newest first; filters as `GET /runs` has them: `status="finished"`, `text="slips"`, ..."""

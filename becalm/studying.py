@@ -239,7 +239,7 @@ def as_text(report: Report) -> str:
         *_failure_lines(report.failures),
     ]
     if report.measures:
-        lines += ["", f"  {'':<28}{'mean':>10}{'95 % interval':>22}{'95 % quantile':>16}"]
+        lines += ["", f"  {'':<32}{'mean':>10}{'95 % interval':>22}{'95 % quantile':>16}"]
         lines += map(_measure_line, report.measures)
     if report.agreements:
         lines += ["", "Agreement with the published tables, at the first closure:", ""]
@@ -256,7 +256,7 @@ def _measure_line(summary: MeasureSummary) -> str:
     mean, high = summary.mean, summary.quantile_95
     interval = "" if mean.low is None else f"{mean.low:.4g} to {mean.high:.4g}"
     name = summary.measure if summary.unit == "1" else f"{summary.measure} [{summary.unit}]"
-    return f"  {name:<28}{mean.value:>10.4g}{interval:>22}" + ("" if high is None else f"{high.value:>16.4g}")
+    return f"  {name:<32}{mean.value:>10.4g}{interval:>22}" + ("" if high is None else f"{high.value:>16.4g}")
 
 
 def _failure_lines(failures: list[str]) -> list[str]:

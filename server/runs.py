@@ -114,14 +114,13 @@ class RunStore:
             record = _recovered(folder)
         return record
 
-    def newest(self, *, before: str | None = None) -> Iterator[RunReader]:
-        """The runs, newest first, of those older than the run `before`."""
+    def newest(self) -> Iterator[RunReader]:
+        """The runs, newest first."""
         names = (path.name for path in self.root.glob("*") if RUN_ID.fullmatch(path.name)) if self.root.exists() else ()
         for name in sorted(names, reverse=True):
-            if before is None or name < before:
-                reader = self.find(name)
-                if reader is not None:  # else deleted since, only just made, or of another version: the index tells
-                    yield reader
+            reader = self.find(name)
+            if reader is not None:  # else deleted since, only just made, or of another version: the index tells
+                yield reader
 
     def recover(self) -> None:
         """Put right what a crash has left, before anything asks for it."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.access.attempts import Attempts
@@ -32,12 +33,23 @@ class Access(NamedTuple):
     audit: AuditLog
 
 
-class _Refusal(NamedTuple):
+_CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Becalm"'}
+
+
+class Refusal(NamedTuple):
+    """Why a request is not let pass."""
+
     status: int
     title: str
     detail: str
     tip: str
     headers: dict[str, str]
+
+    @property
+    def answer(self) -> Response:
+        """As a problem document."""
+        status, title, detail, tip, headers = self
+        return problem_answer(ProblemDocument(title=title, status=status, detail=detail, tip=tip), headers)
 
 
 class Guard:
@@ -74,7 +86,7 @@ class Guard:
 
         await self._app(scope, receive, logged)
 
-    def _decide(self, scope: Scope, method: str, path: str) -> tuple[Holder | None, _Refusal | None]:
+    def _decide(self, scope: Scope, method: str, path: str) -> tuple[Holder | None, Refusal | None]:
         if not self._access.required:
             return ANYONE, None
         needed = needed_role(method, path)
@@ -83,22 +95,12 @@ class Guard:
         if needed is None:
             return holder, None
         if holder is None:
-            return None, self._unknown(scope, secret)
+            return None, _no_token() if secret is None else unknown_token(self._access, scope)
         if not holder.role.covers(needed):
             tip = f"ask for a token with the role {needed}"
             detail = f"{method} {path} takes the role {needed}; {holder.name} is {holder.role}"
-            return holder, _Refusal(403, "Not allowed", detail, tip, {})
+            return holder, Refusal(403, "Not allowed", detail, tip, {})
         return holder, None
-
-    def _unknown(self, scope: Scope, secret: str | None) -> _Refusal:
-        if secret is None:
-            detail, tip = "a token is needed", "send it as `Authorization: Bearer TOKEN`, or sign in on the page"
-        else:
-            wait = self._access.attempts.failed(address_of(scope))
-            if wait is not None:
-                return _too_many(wait)
-            detail, tip = "that token is not known, has expired or was revoked", "becalm token create makes one"
-        return _Refusal(401, "Not signed in", detail, tip, {"WWW-Authenticate": 'Bearer realm="Becalm"'})
 
     def _log(self, scope: Scope, holder: Holder | None, method: str, path: str, status: int) -> None:
         self._access.audit.write(
@@ -134,17 +136,24 @@ def holder_of(connection: HTTPConnection) -> Holder | None:
     return holder
 
 
-def _too_many(wait: float) -> _Refusal:
-    """Of an address that tries token after token."""
+def unknown_token(access: Access, scope: Scope) -> Refusal:
+    """Of a token that is none: 401, or 429 for an address that tries one after another. In the event loop only."""
+    wait = access.attempts.failed(address_of(scope))
+    if wait is None:
+        detail = "that token is not known, has expired or was revoked"
+        return Refusal(401, "Not signed in", detail, "becalm token create makes one", _CHALLENGE)
     seconds = str(max(1, round(wait)))
     detail = f"too many tokens that are none from this address; try again in {seconds} s"
-    return _Refusal(429, "Too many attempts", detail, "one that holds is still let in", {"Retry-After": seconds})
+    return Refusal(429, "Too many attempts", detail, "one that holds is still let in", {"Retry-After": seconds})
 
 
-async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: _Refusal) -> None:
+def _no_token() -> Refusal:
+    tip = "send it as `Authorization: Bearer TOKEN`, or sign in on the page"
+    return Refusal(401, "Not signed in", "a token is needed", tip, _CHALLENGE)
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) -> None:
     if scope["type"] == "websocket":
         await send({"type": "websocket.close", "code": 1008, "reason": refusal.detail})
-        return
-    status, title, detail, tip, headers = refusal
-    answer = problem_answer(ProblemDocument(title=title, status=status, detail=detail, tip=tip), headers)
-    await answer(scope, receive, send)
+    else:
+        await refusal.answer(scope, receive, send)

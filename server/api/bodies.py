@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from starlette.datastructures import Headers
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.api.problem_json import ProblemDocument, problem_answer
@@ -25,7 +26,10 @@ class JsonBodies:
             return
         headers = Headers(scope=scope)
         length = headers.get("content-length", "")
-        body = None if length.isdigit() and int(length) > LARGEST_BODY else await _whole(receive)
+        try:
+            body = None if length.isdigit() and int(length) > LARGEST_BODY else await _whole(receive)
+        except ClientDisconnect:
+            return  # in the middle of the body: nobody waits for an answer, and half a request is none
         if body is None:
             await _refuse(scope, receive, send, 413, f"a body has at most {LARGEST_BODY} bytes", "send less at a time")
         elif body and not _is_json(headers.get("content-type", "")):
@@ -36,13 +40,18 @@ class JsonBodies:
 
 
 async def _whole(receive: Receive) -> bytes | None:
-    """The body; None if it is too large."""
+    """The body; None if it is too large.
+
+    Raises:
+        ClientDisconnect: it ends before it is whole.
+
+    """
     parts: list[bytes] = []
     size = 0
     while True:
         message = await receive()
         if message["type"] != "http.request":
-            return b"".join(parts)
+            raise ClientDisconnect
         parts.append(message.get("body", b""))
         size += len(parts[-1])
         if size > LARGEST_BODY:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, HTTPException, Request, Response
+from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.access.guard import COOKIE, address_of, holder_of
+from server.access.guard import COOKIE, holder_of, unknown_token
 from server.access.roles import Role
 from server.access.tokens import Holder
 from server.api.problem_json import responses
@@ -36,21 +36,17 @@ class SignIn(BaseModel):
 
 
 @router.get("")
-def session(services: ServicesDep, request: Request) -> Session:
+async def session(services: ServicesDep, request: Request) -> Session:
     """Who the token belongs to that this request shows."""
     return _session(services, holder_of(request))
 
 
-@router.post("", responses=responses(422))
-def sign_in(services: ServicesDep, request: Request, response: Response, body: SignIn) -> Session:
+@router.post("", response_model=Session, responses=responses(422))
+async def sign_in(services: ServicesDep, request: Request, response: Response, body: SignIn) -> Session | Response:
     """Keep a token in a cookie that scripts of the page cannot read and other sites cannot use."""
     holder = services.access.tokens.holder_of(body.token)
     if holder is None:
-        wait = services.access.attempts.failed(address_of(request.scope))
-        if wait is not None:
-            detail = "too many tokens that are none from this address"
-            raise HTTPException(429, detail, {"Retry-After": str(max(1, round(wait)))})
-        raise HTTPException(401, "that token is not known, has expired or was revoked")
+        return unknown_token(services.access, request.scope).answer
     response.set_cookie(
         COOKIE,
         body.token,
@@ -64,7 +60,7 @@ def sign_in(services: ServicesDep, request: Request, response: Response, body: S
 
 
 @router.delete("", status_code=204)
-def sign_out(request: Request) -> Response:
+async def sign_out(request: Request) -> Response:
     """Forget the token; it stays valid for those who have it."""
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, path=request.scope.get("root_path") or "/", httponly=True, samesite="strict")

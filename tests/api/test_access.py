@@ -11,6 +11,7 @@ from starlette.routing import Route, WebSocketRoute
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
+import becalm
 from becalm.cli import main
 from server.access.attempts import ALLOWED
 from server.access.roles import RULES, WEBSOCKET, Role
@@ -92,6 +93,15 @@ async def test_telemetry_and_scene_are_behind_the_same_check(guarded, secrets):
         assert refused.value.response.status_code == 403
     async with connect(guarded.telemetry, additional_headers=bearer(secrets[Role.VIEWER])) as watcher:
         assert json.loads(await watcher.recv())["type"] == "hello"
+
+
+def test_the_client_says_why_it_gets_no_telemetry(guarded, secrets):
+    address = guarded.api.removesuffix("/api/v1")
+    with becalm.Client(address) as nobody, pytest.raises(becalm.ServiceRefused) as refused:
+        next(nobody.watch())
+    assert refused.value.status == 403
+    with becalm.Client(address, secrets[Role.VIEWER]) as viewer:
+        assert next(viewer.watch()).run_id == viewer.mission().run_id
 
 
 def test_a_browser_keeps_the_token_in_a_cookie_no_script_reads(guarded, secrets):

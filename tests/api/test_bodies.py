@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from server.api.bodies import LARGEST_BODY
+from server.api.bodies import LARGEST_BODY, JsonBodies
 
 
 def problem(answer: httpx.Response, status: int) -> dict:
@@ -51,3 +51,22 @@ async def test_what_nobody_expected_can_be_found_in_the_log(console, monkeypatch
     with pytest.raises(ZeroDivisionError):  # the transport of the tests passes it on after it was answered
         await console.http.get("/runs/20261122T113000123-4f9a2c")
     assert "an unexpected error" in caplog.text
+
+
+async def test_half_a_request_is_none():
+    came: list[str] = []
+
+    async def app(scope, receive, send):
+        came.append(scope["path"])
+
+    parts = iter([{"type": "http.request", "body": b"{", "more_body": True}, {"type": "http.disconnect"}])
+
+    async def receive():
+        return next(parts)
+
+    async def send(message):
+        came.append(message["type"])
+
+    scope = {"type": "http", "method": "POST", "path": "/stop", "headers": []}
+    await JsonBodies(app)(scope, receive, send)
+    assert came == []
