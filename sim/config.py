@@ -481,23 +481,30 @@ class ControlConfig(ConfigModel):
     rates: RateConfig = RateConfig()
 
 
-def _noise(description: str, unit: str, most: float) -> Any:
-    """A standard deviation; none by default."""
+def _noise(quantity: str, unit: str, most: float) -> Any:
+    """A standard deviation; zero by default."""
+    words = f"Standard deviation of the noise in {quantity}"
     source = "chosen: the paper's simulation has perfect sensors"
-    return parameter(0.0, description, unit=unit, source=source, ge=0, le=most, live=True)
+    return parameter(0.0, words, unit=unit, source=source, ge=0, le=most, live=True)
+
+
+class NoiseConfig(ConfigModel):
+    """White Gaussian noise in what the controller sees, every tick anew (`sim.plant.sensing`)."""
+
+    position: Number = _noise("positions of base and target", "m", 1)
+    angle: Number = _noise("angles of base and target", "rad", 3)
+    velocity: Number = _noise("velocities of base and target", "m/s", 10)
+    spin: Number = _noise("angular velocities of base and target", "rad/s", 20)
+    joint_angle: Number = _noise("joint angles", "rad", 3)
+    joint_rate: Number = _noise("joint rates", "rad/s", 20)
+    force: Number = _noise("forces at the wrists", "N", 1000)
+    torque: Number = _noise("torques at the wrists", "N m", 1000)
 
 
 class SensingConfig(ConfigModel):
-    """Standard deviations of the white noise in what the controller sees, every tick anew (`sim.plant.sensing`)."""
+    """How the controller sees the plant."""
 
-    position: Number = _noise("Of the positions of base and target", "m", 1)
-    angle: Number = _noise("Of their angles", "rad", 3)
-    velocity: Number = _noise("Of their velocities", "m/s", 10)
-    spin: Number = _noise("Of their angular velocities", "rad/s", 20)
-    joint_angle: Number = _noise("Of the joint angles", "rad", 3)
-    joint_rate: Number = _noise("Of the joint rates", "rad/s", 20)
-    force: Number = _noise("Of the forces at the wrists", "N", 1000)
-    torque: Number = _noise("Of the torques at the wrists", "N m", 1000)
+    noise: NoiseConfig = NoiseConfig()
 
 
 class JudgingConfig(ConfigModel):

@@ -46,7 +46,7 @@ from sim.errors import MissionRefused, PlantDiverged
 from sim.model.robot import Chain, RobotModel, chain
 from sim.plant.plant import PLANT_STATE
 from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
-from sim.plant.sensing import is_noisy, sense
+from sim.plant.sensing import Seen, is_noisy, sense
 from sim.record import Record, record_of
 
 
@@ -58,7 +58,7 @@ def fly(
     memory: Record,
     notes: Record,
     state: Record,
-    seen: Record,
+    seen: Seen,
     rows: Ticks,
 ) -> tuple[int, bool]:
     """Fly as many ticks as there are rows of `TICK`, which are filled; stops after the tick of a verdict.
@@ -84,7 +84,7 @@ def _decide(
     memory: Record,
     notes: Record,
     state: Record,
-    seen: Record,
+    seen: Seen,
     row: Record,
 ) -> bool:
     """Judge a state, command joint rates from what is seen of it, and write a row of `TICK`; whether a verdict fell."""
@@ -95,10 +95,10 @@ def _decide(
     if over:
         memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
         memory.sequence = Sequence.NONE
-    if is_noisy(parameters.sensing):
-        sense(parameters.sensing, parameters.simulation.seed, state, seen)
-        seen_links = chain(robot, seen.base_pose, seen.joint_angle, seen.mount_angle)
-        control(memory, parameters, transition, robot, seen, seen_links)
+    if is_noisy(parameters.sensing.noise):
+        told = sense(parameters.sensing.noise, parameters.simulation.seed, state, seen)
+        links_told = chain(robot, told.base_pose, told.joint_angle, told.mount_angle)
+        control(memory, parameters, transition, robot, told, links_told)
     else:
         control(memory, parameters, transition, robot, state, links)
     _write(row, memory, notes, state, links)
@@ -113,7 +113,7 @@ def follow(
     memory: Record,
     notes: Record,
     state: Record,
-    seen: Record,
+    seen: Seen,
     recorded: Ticks,
     rows: Ticks,
 ) -> None:
@@ -189,7 +189,7 @@ class Mission:
         self._memory["last_contact"], self._memory["slow_since"] = NEVER, math.inf
         self._notes: Record = np.zeros(1, JUDGEMENT)[0]
         self._notes["begun_at"] = math.nan
-        self._seen: Record = np.zeros(1, PLANT_STATE)[0]
+        self._seen = np.zeros(1, PLANT_STATE)
         self._notes["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []

@@ -8,11 +8,15 @@ and the log know the true state.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from sim.compiled import compiled
 from sim.record import Record
+
+Seen = np.ndarray[Any, np.dtype[Any]]
+"""An array of one `PLANT_STATE`."""
 
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
@@ -39,21 +43,31 @@ def is_noisy(noise: Record) -> bool:
 
 
 @compiled
-def sense(noise: Record, seed: int, state: Record, seen: Record) -> None:
-    """Fill `seen`, one element of `PLANT_STATE`, with the state as sensors of this `SensingConfig` tell it."""
-    _copy(state, seen)
+def sense(noise: Record, seed: int, state: Record, seen: Seen) -> Record:
+    """The state, one element of `PLANT_STATE`, as sensors with this `NoiseConfig` tell it.
+
+    Args:
+        noise: standard deviations, SI.
+        seed: of the run.
+        state: the true one.
+        seen: an array of one `PLANT_STATE`, which is filled and whose element is returned.
+
+    """
+    seen[0] = state
+    told = seen[0]
     tick = state.tick
     for axis in range(3):
         place, rate = (noise.angle, noise.spin) if axis == 2 else (noise.position, noise.velocity)
-        seen.base_pose[axis] += place * gaussian(seed, tick, _BASE + axis)
-        seen.base_twist[axis] += rate * gaussian(seed, tick, _BASE + 3 + axis)
-        seen.target_pose[axis] += place * gaussian(seed, tick, _TARGET + axis)
-        seen.target_twist[axis] += rate * gaussian(seed, tick, _TARGET + 3 + axis)
+        told.base_pose[axis] += place * gaussian(seed, tick, _BASE + axis)
+        told.base_twist[axis] += rate * gaussian(seed, tick, _BASE + 3 + axis)
+        told.target_pose[axis] += place * gaussian(seed, tick, _TARGET + axis)
+        told.target_twist[axis] += rate * gaussian(seed, tick, _TARGET + 3 + axis)
         push = noise.torque if axis == 2 else noise.force
         for arm in range(2):
-            seen.joint_angle[arm, axis] += noise.joint_angle * gaussian(seed, tick, _JOINTS + 3 * arm + axis)
-            seen.joint_rate[arm, axis] += noise.joint_rate * gaussian(seed, tick, _JOINTS + 6 + 3 * arm + axis)
-            seen.hand_wrench[arm, axis] += push * gaussian(seed, tick, _WRENCHES + 3 * arm + axis)
+            told.joint_angle[arm, axis] += noise.joint_angle * gaussian(seed, tick, _JOINTS + 3 * arm + axis)
+            told.joint_rate[arm, axis] += noise.joint_rate * gaussian(seed, tick, _JOINTS + 6 + 3 * arm + axis)
+            told.hand_wrench[arm, axis] += push * gaussian(seed, tick, _WRENCHES + 3 * arm + axis)
+    return told
 
 
 @compiled
@@ -77,16 +91,3 @@ def _mixed(bits: np.uint64) -> np.uint64:
 def _uniform(bits: np.uint64) -> float:
     """In (0, 1]: the upper 53 bits."""
     return float((bits >> _11) + _ONE) * 2.0**-53
-
-
-@compiled
-def _copy(state: Record, seen: Record) -> None:
-    seen.tick, seen.time = state.tick, state.time
-    seen.base_pose[:], seen.base_twist[:] = state.base_pose, state.base_twist
-    seen.target_pose[:], seen.target_twist[:] = state.target_pose, state.target_twist
-    seen.joint_angle[:], seen.joint_rate[:] = state.joint_angle, state.joint_rate
-    seen.mount_angle[:], seen.mount_rate[:] = state.mount_angle, state.mount_rate
-    seen.hand_wrench[:], seen.tip_force[:] = state.hand_wrench, state.tip_force
-    seen.tip_contact[:] = state.tip_contact
-    seen.base_contact, seen.arm_contact = state.base_contact, state.arm_contact
-    seen.momentum[:] = state.momentum

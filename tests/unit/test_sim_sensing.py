@@ -15,14 +15,14 @@ from sim.plant.sensing import gaussian, sense
 from sim.record import record_of
 
 NOISY = {
-    "sensing.position": 1e-3,
-    "sensing.angle": 2e-3,
-    "sensing.velocity": 3e-3,
-    "sensing.spin": 4e-3,
-    "sensing.joint_angle": 5e-4,
-    "sensing.joint_rate": 6e-3,
-    "sensing.force": 7e-3,
-    "sensing.torque": 8e-4,
+    "sensing.noise.position": 1e-3,
+    "sensing.noise.angle": 2e-3,
+    "sensing.noise.velocity": 3e-3,
+    "sensing.noise.spin": 4e-3,
+    "sensing.noise.joint_angle": 5e-4,
+    "sensing.noise.joint_rate": 6e-3,
+    "sensing.noise.force": 7e-3,
+    "sensing.noise.torque": 8e-4,
 }
 
 
@@ -42,13 +42,13 @@ def test_draws_are_standard_normal_and_unlike_their_neighbours():
 
 
 def test_each_sensor_has_its_own_noise():
-    noise = record_of(revised(MissionConfig(), nested(NOISY)))["sensing"]
-    state, seen = (np.zeros(1, PLANT_STATE)[0] for _ in range(2))
+    noise = record_of(revised(MissionConfig(), nested(NOISY)))["sensing"]["noise"]
+    state, seen = np.zeros(1, PLANT_STATE)[0], np.zeros(1, PLANT_STATE)
     kept = []
     for tick in range(2000):
         state["tick"] = tick
         sense(noise, 5, state, seen)
-        kept.append(seen.copy())
+        kept.append(seen[0].copy())
     spread = {name: np.std([row[name] for row in kept], axis=0) for name in PLANT_STATE.names}
     assert spread["target_pose"] == pytest.approx([1e-3, 1e-3, 2e-3], rel=0.1)
     assert spread["base_twist"] == pytest.approx([3e-3, 3e-3, 4e-3], rel=0.1)
@@ -77,6 +77,6 @@ def test_a_replay_hears_the_same_noise():
 
 
 def test_the_log_tells_the_truth():
-    _, rows = flown({"sensing.position": 1e-3}, ticks=50)
+    _, rows = flown({"sensing.noise.position": 1e-3}, ticks=50)
     moved = np.diff(rows["target_pose"][:, 0])
     assert np.abs(moved).max() < 1e-9
