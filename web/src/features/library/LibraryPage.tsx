@@ -1,12 +1,12 @@
 /** The library: every run that was recorded, found, read, annotated, taken away. */
 import { Button, NativeSelect, Switch, TextInput } from "@mantine/core";
 import { useState } from "react";
+import { EmptyPage } from "../../app/EmptyPage";
 import { Panel } from "../../app/Panel";
 import type { RunsQuery, RunSummary } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { fixed } from "../../units/units";
-import { outcomeWords } from "../runs/outcome";
-import { lookOf } from "../studies/palette";
+import { lookOf } from "../../theme/looks";
 import styles from "./LibraryPage.module.css";
 import { RunView } from "./RunView";
 import { useLibrary, useRecording } from "./use-library";
@@ -90,7 +90,7 @@ function Item({ run, chosen }: { readonly run: RunSummary; readonly chosen: bool
         <span className={styles.words}>
           <strong>
             {run.starred && <span aria-label="starred">★ </span>}
-            {run.outcome === null ? run.status : outcomeWords(run.outcome.outcome)}
+            {run.outcome === null ? run.status : look?.words}
           </strong>
           <span>{`${run.configuration}${run.direct ? ", direct" : ""}`}</span>
           <span className={styles.when}>{`${moment(run.started)} · ${run.kind}${run.notes.length > 0 ? ` · ${run.notes.length} ${run.notes.length === 1 ? "note" : "notes"}` : ""}`}</span>
@@ -133,10 +133,11 @@ export function LibraryPage({ item, shown }: { readonly item: string; readonly s
         ))}
       </Panel>
       {recording === null ? (
-        <section className={styles.nothing} aria-label="No run chosen">
-          <h2>{missing === null ? (item === "" ? "Every run, every tick" : "Reading the run") : missing.message}</h2>
-          <p>{missing?.tip ?? (item === "" ? "Choose a run: its plots with every touch, what happened in it, notes, and its log to take away." : "")}</p>
-        </section>
+        <EmptyPage
+          label="No run chosen"
+          title={missing === null ? (item === "" ? "Every run, every tick" : "Reading the run") : missing.message}
+          words={missing?.tip ?? (item === "" ? "Choose a run: its plots with every touch, what happened in it, notes, and its log to take away." : "")}
+        />
       ) : (
         <RunView key={recording.run.id} recording={recording} onChange={again} />
       )}

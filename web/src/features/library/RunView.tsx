@@ -1,22 +1,22 @@
 /** One run of the library: how it ended, its plots and events, what people say of it, its log. */
 import { ActionIcon, Button, Textarea, TextInput } from "@mantine/core";
 import { useState } from "react";
+import { ConfirmButton } from "../../app/ConfirmButton";
+import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
 import { go, hashOf } from "../../app/route";
-import { Refusal } from "../../api/refusal";
-import { cancelRun, deleteRun, remarkRun, sendCommand } from "../../api/service";
+import { useDoing, type Doing } from "../../app/use-doing";
+import { cancelRun, deleteRun, logAddress, remarkRun, sendCommand } from "../../api/service";
 import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
 import { clock, fixed, parsed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
 import { EventLog } from "../events/EventLog";
 import { PlotPanel } from "../plots/PlotPanel";
-import { Download, Ending } from "../runs/RunPanel";
+import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
 import styles from "./LibraryPage.module.css";
 import { isUnderWay, type Recording } from "./use-library";
-
-type Doing = (work: () => Promise<unknown>) => Promise<void>;
 
 const LOGS = [
   ["mcap", "MCAP"],
@@ -25,8 +25,7 @@ const LOGS = [
 ] as const;
 
 function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
-  const [sure, setSure] = useState(false);
-  const mayDelete = useReasonByRole("admin");
+  const againstDeleting = useReasonByRole("admin");
   const star = () => doing(() => remarkRun(run.id, { starred: !run.starred }));
   const remove = () =>
     doing(async () => {
@@ -41,23 +40,9 @@ function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
       <h2>{run.id}</h2>
       <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : run.status}</span>
       <span className={styles.spring} />
-      {run.ticks > 0 && LOGS.map(([format, label]) => <Download key={format} run={run.id} format={format} label={label} />)}
+      {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
       {isUnderWay(run) && run.kind !== "live" && <Button onClick={() => void doing(() => cancelRun(run.id))}>Cancel</Button>}
-      {!isUnderWay(run) && (
-        <Button
-          disabled={mayDelete !== null}
-          title={mayDelete ?? undefined}
-          onClick={() => {
-            if (sure) void remove();
-            else setSure(true);
-          }}
-          onBlur={() => {
-            setSure(false);
-          }}
-        >
-          {sure ? "Delete for good?" : "Delete"}
-        </Button>
-      )}
+      {!isUnderWay(run) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void remove()} />}
     </header>
   );
 }
@@ -154,17 +139,8 @@ function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
 }
 
 export function RunView({ recording: { run, store }, onChange }: { readonly recording: Recording; readonly onChange: () => void }) {
-  const [refusal, setRefusal] = useState<Refusal | null>(null);
-  const doing: Doing = async (work) => {
-    try {
-      await work();
-      setRefusal(null);
-      onChange();
-    } catch (cause) {
-      if (!(cause instanceof Refusal)) throw cause;
-      setRefusal(cause);
-    }
-  };
+  const { doing: asked, refusal } = useDoing();
+  const doing: Doing = (work) => asked(() => work().then(onChange));
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
       <Head run={run} doing={doing} />

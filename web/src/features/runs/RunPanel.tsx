@@ -1,12 +1,14 @@
 /** This run: its touches while it flies, how it ended, and its log to take away. */
+import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
 import { hashOf } from "../../app/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
 import { useSnapshot } from "../../store/context";
 import { Icon, type Sign } from "../../theme/Icon";
+import { lookOf } from "../../theme/looks";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
-import { outcomeWords, verdictOf, type Verdict } from "./outcome";
+import { verdictOf, type Verdict } from "./outcome";
 import styles from "./RunPanel.module.css";
 import { TouchTable } from "./TouchTable";
 
@@ -44,17 +46,9 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
         </div>
       </dl>
       {outcome.at_first_closure !== outcome.at_locked_arms && (
-        <p className={styles.rule}>By the paper's rule, at the first closure: {outcomeWords(outcome.at_first_closure)}.</p>
+        <p className={styles.rule}>By the paper's rule, at the first closure: {lookOf(outcome.at_first_closure).words}.</p>
       )}
     </section>
-  );
-}
-
-export function Download({ run, format, label }: { readonly run: string; readonly format: "csv" | "parquet" | "mcap"; readonly label: string }) {
-  return (
-    <a className={styles.download} href={logAddress(run, format)} download aria-label={`Download the log of this run as ${label}`}>
-      <Icon sign="download" /> {label}
-    </a>
   );
 }
 
@@ -71,8 +65,8 @@ export function RunPanel() {
         <div className={styles.downloads}>
           <a href={hashOf({ page: "runs", item: run })}>In the library</a>
           <span />
-          <Download run={run} format="csv" label="CSV" />
-          <Download run={run} format="parquet" label="Parquet" />
+          <DownloadLink href={logAddress(run, "csv")} format="CSV" what="the log of this run" />
+          <DownloadLink href={logAddress(run, "parquet")} format="Parquet" what="the log of this run" />
         </div>
       )}
     </Panel>

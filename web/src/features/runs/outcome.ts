@@ -44,6 +44,3 @@ export function verdictOf(outcome: Outcome): Verdict {
   if (outcome.caged) return CAGED[outcome.at_locked_arms] ?? CAGED[outcome.outcome] ?? NOT_HELD;
   return FAILED[outcome.at_locked_arms] ?? FAILED[outcome.outcome] ?? NOT_HELD;
 }
-
-/** An outcome's name as words. */
-export const outcomeWords = (outcome: OutcomeClass): string => outcome.replaceAll("_", " ");

@@ -1,14 +1,13 @@
 /** One cell: what it was flown with, what came out, and its run. */
 import { Button } from "@mantine/core";
-import { useState } from "react";
 import { Panel } from "../../app/Panel";
 import { go } from "../../app/route";
-import { Refusal } from "../../api/refusal";
+import { useDoing } from "../../app/use-doing";
 import { changeConfiguration, runCell, sendCommand } from "../../api/service";
 import type { StudyDetail, StudyRow } from "../../api/types";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
-import { lookOf } from "./palette";
+import { lookOf } from "../../theme/looks";
 import { axisName } from "./StudyMap";
 import styles from "./StudiesPage.module.css";
 
@@ -49,8 +48,7 @@ function words(study: StudyDetail, column: string, value: StudyRow[string]): str
 }
 
 export function CellPanel({ study, row }: { readonly study: StudyDetail; readonly row: StudyRow | undefined }) {
-  const [waiting, setWaiting] = useState(false);
-  const [refusal, setRefusal] = useState<Refusal | null>(null);
+  const { doing, waiting, refusal } = useDoing();
   if (row === undefined) {
     return (
       <Panel title="Cell">
@@ -59,18 +57,6 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
     );
   }
   const cell = Number(row["cell"]);
-  const doing = async (work: () => Promise<void>): Promise<void> => {
-    setWaiting(true);
-    setRefusal(null);
-    try {
-      await work();
-    } catch (cause) {
-      if (!(cause instanceof Refusal)) throw cause;
-      setRefusal(cause);
-    } finally {
-      setWaiting(false);
-    }
-  };
   const fly = async () => {
     await flyInScene(study, row);
     go("mission");

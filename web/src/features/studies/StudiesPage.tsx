@@ -1,12 +1,15 @@
 /** Studies: start one, watch its map fill, and open what stands in it. */
 import { Button, Progress } from "@mantine/core";
 import { useState } from "react";
+import { ConfirmButton } from "../../app/ConfirmButton";
+import { EmptyPage } from "../../app/EmptyPage";
 import { Panel } from "../../app/Panel";
 import { go } from "../../app/route";
-import { Refusal } from "../../api/refusal";
+import { useDoing } from "../../app/use-doing";
 import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
 import type { StudyDetail, StudySummary } from "../../api/types";
 import { fixed } from "../../units/units";
+import { useReasonByRole } from "../access/session";
 import { CellPanel } from "./CellPanel";
 import { NewStudy } from "./NewStudy";
 import styles from "./StudiesPage.module.css";
@@ -43,18 +46,9 @@ function StudyItem({ study, chosen }: { readonly study: StudySummary; readonly c
 }
 
 function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly onChange: () => void }) {
-  const [refusal, setRefusal] = useState<Refusal | null>(null);
-  const [sure, setSure] = useState(false);
-  const doing = async (work: () => Promise<unknown>): Promise<void> => {
-    try {
-      await work();
-      setRefusal(null);
-      onChange();
-    } catch (cause) {
-      if (!(cause instanceof Refusal)) throw cause;
-      setRefusal(cause);
-    }
-  };
+  const { doing: asked, refusal } = useDoing();
+  const againstDeleting = useReasonByRole("admin");
+  const doing = (work: () => Promise<unknown>) => asked(() => work().then(onChange));
   const rate = study.progress.cells_per_second;
   const remove = async () => {
     await deleteStudy(study.id);
@@ -70,26 +64,9 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
       <span className={styles.spring} />
       {isUnderWay(study) && <Button onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</Button>}
       {(study.status === "cancelled" || study.status === "failed") && <Button onClick={() => void doing(() => resumeStudy(study.id))}>Go on</Button>}
-      {!isUnderWay(study) && (
-        <Button onClick={() => { if (sure) void doing(remove); else setSure(true); }} onBlur={() => { setSure(false); }}>
-          {sure ? "Delete for good?" : "Delete"}
-        </Button>
-      )}
+      {!isUnderWay(study) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void doing(remove)} />}
       {refusal && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
     </header>
-  );
-}
-
-function Nothing({ refusal }: { readonly refusal: Refusal | null }) {
-  return (
-    <section className={styles.nothing} aria-label="No study chosen">
-      <h2>{refusal ? refusal.message : "What would happen if …?"}</h2>
-      <p>
-        {refusal
-          ? refusal.tip
-          : "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: in about a minute its map stands beside the published one, and every cell opens as a flight in the scene."}
-      </p>
-    </section>
   );
 }
 
@@ -102,6 +79,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
     setEdition((before) => before + 1);
   };
   const study = view.study?.id === item ? view.study : null;
+  const missing = item === "" ? null : view.refusal;
   const cell = selection?.study === item ? selection.cell : null;
   return (
     <main className={styles.page} hidden={!shown}>
@@ -118,7 +96,11 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
         </Panel>
       </div>
       {study === null ? (
-        <Nothing refusal={item === "" ? null : view.refusal} />
+        <EmptyPage
+          label="No study chosen"
+          title={missing?.message ?? "What would happen if …?"}
+          words={missing?.tip ?? "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: in about a minute its map stands beside the published one, and every cell opens as a flight in the scene."}
+        />
       ) : (
         <>
           <StudyView key={study.id} study={study} rows={view.rows} selected={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} head={<StudyHead study={study} onChange={again} />} />

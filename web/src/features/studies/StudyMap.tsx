@@ -3,7 +3,8 @@ import { useId } from "react";
 import type { StudyDetail, StudyRow } from "../../api/types";
 import { shown as shownUnit, plain } from "../../units/units";
 import { panelsOf, rangeOf, shownAt, type GridAxis, type Panel, type Shown, type Spread, type Value } from "./layout";
-import { FAILED_LOOK, inkOn, inOrder, lookOf, viridis } from "./palette";
+import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
+import { inkOn, viridis } from "./viridis";
 import type { PublishedClasses } from "./published";
 import type { Rows } from "./use-study";
 

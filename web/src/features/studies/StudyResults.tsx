@@ -2,7 +2,7 @@
 import { Panel } from "../../app/Panel";
 import type { StudyDetail } from "../../api/types";
 import { fixed, plain, shown } from "../../units/units";
-import { lookOf } from "./palette";
+import { lookOf } from "../../theme/looks";
 import styles from "./StudiesPage.module.css";
 
 const digits = (value: number): string => plain(Number(value.toPrecision(3)));

@@ -3,7 +3,8 @@ import type { StudyDetail } from "../../api/types";
 import { plain } from "../../units/units";
 import type { Axis } from "./layout";
 import { rangeOf, shownAt } from "./layout";
-import { FAILED_LOOK, inOrder, lookOf, viridis } from "./palette";
+import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
+import { viridis } from "./viridis";
 import { axisTitle, type Paper } from "./StudyMap";
 import type { Rows } from "./use-study";
 

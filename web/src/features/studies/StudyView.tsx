@@ -4,6 +4,7 @@ import { useElementSize } from "@mantine/hooks";
 import { useEffect, useRef, useState, type ReactNode } from "react";
 import { readPublishedTables, resultsAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
+import { DownloadLink } from "../../app/DownloadLink";
 import { Icon } from "../../theme/Icon";
 import { saveSvg } from "./export-svg";
 import { gridAxes, usualSpread, type Spread } from "./layout";
@@ -113,11 +114,8 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
         <Button leftSection={<Icon sign="download" />} onClick={() => { const picture = holder.current?.querySelector("svg"); if (picture) saveSvg(picture, `${study.name}-${column}.svg`); }}>
           SVG
         </Button>
-        {(["csv", "parquet"] as const).map((format) => (
-          <a key={format} className={styles.download} href={resultsAddress(study.id, format)} download aria-label={`Download the table as ${format}`}>
-            <Icon sign="download" /> {format === "csv" ? "CSV" : "Parquet"}
-          </a>
-        ))}
+        <DownloadLink href={resultsAddress(study.id, "csv")} format="CSV" what="the table" />
+        <DownloadLink href={resultsAddress(study.id, "parquet")} format="Parquet" what="the table" />
       </div>
       <div className={styles.picture} ref={frame}>
         <div className={styles.holder} ref={holder}>

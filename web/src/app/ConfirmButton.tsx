@@ -1,0 +1,30 @@
+/** A button that asks once more before it does what cannot be undone. */
+import { Button } from "@mantine/core";
+import { useState } from "react";
+
+interface ConfirmButtonProps {
+  readonly label: string;
+  readonly question: string;
+  /** Why it may not be pressed; null if it may. */
+  readonly against: string | null;
+  readonly onConfirm: () => void;
+}
+
+export function ConfirmButton({ label, question, against, onConfirm }: ConfirmButtonProps) {
+  const [asking, setAsking] = useState(false);
+  return (
+    <Button
+      disabled={against !== null}
+      title={against ?? undefined}
+      onClick={() => {
+        if (asking) onConfirm();
+        else setAsking(true);
+      }}
+      onBlur={() => {
+        setAsking(false);
+      }}
+    >
+      {asking ? question : label}
+    </Button>
+  );
+}
