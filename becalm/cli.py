@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 import sys
 from functools import reduce
 from pathlib import Path
@@ -14,8 +15,9 @@ from typing import Any
 
 import click
 
+from becalm.setting_options import setting_options
 from becalm.tokens import token
-from server.settings import Settings
+from server.settings import Settings, choose
 from server.versions import becalm_version
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
@@ -43,6 +45,20 @@ Examples:
   becalm serve
   becalm serve --port 8080 --no-open
   becalm serve --configuration published --set control.impedance.damping=3.0
+  becalm serve --settings lab.toml --check
+
+\b
+A settings file (TOML or JSON) names settings as the options do, with underscores:
+  port = 8080
+  data_dir = "/srv/becalm"
+  log_format = "json"
+\b
+  [changes]                    # of parameters, as --config takes them
+  control.impedance.damping = 3.0
+
+\b
+Every option but --set, --config, --check, --json and --open has a variable, such as
+BECALM_DATA_DIR. Options win over variables, which win over the settings file.
 """
 
 RUN_EXAMPLES = """\b
@@ -158,31 +174,39 @@ main.add_command(token)
 
 
 @main.command(epilog=SERVE_EXAMPLES)
-@click.option("--host", help="Address to listen on.  [default: 127.0.0.1]")
-@click.option("--port", type=click.IntRange(0, 65535), help="Port to listen on; 0 takes a free one.  [default: 8000]")
-@click.option("--plant", help="What is flown: simulation.  [default: simulation]")
-@click.option("--configuration", metavar="NAME", help="Configuration to open with.  [default: published_figures]")
+@setting_options
 @_configured
+@click.option(
+    "--settings", "settings_file", type=click.Path(path_type=Path), help="TOML or JSON file.  [BECALM_SETTINGS]"
+)
+@click.option("--check", is_flag=True, help="Start nothing: check every setting, and say what would be started.")
+@click.option("--json", "as_json", is_flag=True, help="With --check: print one JSON document.")
 @click.option(
     "--open/--no-open", "open_page", default=None, help="Open the page in the browser.  [default: on a terminal]"
 )
 def serve(
     *,
-    host: str | None,
-    port: int | None,
-    plant: str | None,
-    configuration: str | None,
     file: Path | None,
     settings: tuple[str, ...],
+    settings_file: Path | None,
+    check: bool,
+    as_json: bool,
     open_page: bool | None,
+    **flags: Any,
 ) -> None:
     """Start the service: console, scene, REST and telemetry on one port."""
-    chosen = Settings.from_environment(
-        host=host, port=port, plant=plant, configuration=configuration, changes=_changes(file, settings)
-    )
-    from becalm.serving import serve as serve_until_ended  # noqa: PLC0415 - web and scene take a second to load
+    if as_json and not check:
+        raise click.UsageError("--json goes with --check")
+    chosen = choose(os.environ, settings_file, changes=_changes(file, settings), **flags)
+    if check:
+        from becalm import checking  # noqa: PLC0415 - web and scene take a second to load
 
-    serve_until_ended(chosen, open_page=sys.stdout.isatty() if open_page is None else open_page)
+        found = checking.checked(chosen)
+        click.echo(json.dumps(found) if as_json else checking.as_text(found))
+        return
+    from becalm.serving import serve as serve_until_ended  # noqa: PLC0415 - as above
+
+    serve_until_ended(chosen.settings, open_page=sys.stdout.isatty() if open_page is None else open_page)
 
 
 @main.command(epilog=RUN_EXAMPLES, short_help="Fly one capture headless, as fast as it goes.")

@@ -59,7 +59,7 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     """
     app = create_app(settings)
     with bound_socket(settings.host, settings.port) as bound:
-        url = _url(settings.host, bound.getsockname()[1])
+        url = address(settings.host, bound.getsockname()[1])
         config = uvicorn.Config(
             app, log_level="warning", ws_per_message_deflate=False, timeout_graceful_shutdown=SHUTDOWN_TIME
         )
@@ -68,7 +68,8 @@ def serve(settings: Settings, *, open_page: bool) -> None:
             server.run(sockets=[bound])
 
 
-def _url(host: str, port: int) -> str:
+def address(host: str, port: int) -> str:
+    """Where the page is; port 0 stands for any."""
     name = "127.0.0.1" if host in ANY_ADDRESS else f"[{host}]" if ":" in host else host
     return f"http://{name}:{port}/"
 

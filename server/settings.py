@@ -1,21 +1,30 @@
-"""Where the service is, never what it flies: address, data folder, plant and the configuration it opens with."""
+"""Where the service is, never what it flies: address, data folder, plant and the configuration it opens with.
+
+Each has one name: `data_dir` in a settings file, `BECALM_DATA_DIR` in the environment, `--data-dir` as an option.
+Options win over the environment, which wins over the file, which wins over the defaults.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple
 
 from platformdirs import user_data_path
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from sim.config import MissionConfig
-from sim.configurations import named_configuration, revised
+from sim.configurations import merged, named_configuration, read_config_file, revised
 from sim.errors import ConfigError
 from sim.study.cores import cores
 
 ENVIRONMENT_PREFIX = "BECALM_"
+SETTINGS_FILE = "BECALM_SETTINGS"
+"""The variable that names a settings file."""
+
+LogLevel = Literal["debug", "info", "warning", "error"]
+
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
 SCHEDULER_ADDRESS = r"^(tcp|tls|ws|wss)://[^\s/]+:\d+$"
@@ -30,7 +39,7 @@ def default_data_dir() -> Path:
 
 
 class Settings(BaseModel):
-    """Frozen; flags win over `BECALM_*` variables, which win over the defaults."""
+    """Frozen; see the module for which source wins."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -39,6 +48,11 @@ class Settings(BaseModel):
     data_dir: Path = Field(default_factory=default_data_dir, description="Folder of the runs")
     keep_days: float | None = Field(None, ge=0, description="Age from which on runs are removed [days]; none: never")
     keep_gb: float | None = Field(None, ge=0, description="Size of the library from which on the oldest go [GB]")
+    min_free_gb: float = Field(
+        1.0,
+        ge=0,
+        description="Free space below which the operator is warned and no further run or study is queued [GB]",
+    )
     plant: Literal["simulation"] = Field("simulation", description="What is flown")
     configuration: str = Field("published_figures", description="Named configuration that the live mission opens with")
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
@@ -61,23 +75,24 @@ class Settings(BaseModel):
         (), description="Host names that requests may use; empty: loopback's on loopback, any elsewhere"
     )
 
+    log_format: Literal["text", "json"] = Field("text", description="Of the service's log, on standard error")
+    log_level: LogLevel = Field("warning", description="The least severe lines of the service's log")
+
+    @field_validator("allowed_hosts", mode="before")
     @classmethod
-    def from_environment(cls, environment: Mapping[str, str] = os.environ, **flags: Any) -> Self:
-        """Settings of the `BECALM_*` variables, and of the flags that are not None.
+    def _listed(cls, hosts: object) -> object:
+        """Names separated by commas are a list."""
+        return tuple(name.strip() for name in hosts.split(",") if name.strip()) if isinstance(hosts, str) else hosts
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str] = os.environ, **flags: Any) -> Settings:
+        """The settings that `choose` makes of the same.
 
         Raises:
-            ConfigError: a value that cannot be; the message names the setting and what would be right.
+            ConfigError: as `choose`.
 
         """
-        chosen: dict[str, Any] = {name: value for name, value in flags.items() if value is not None}
-        for name in cls.model_fields.keys() - {"changes"}:
-            text = environment.get(ENVIRONMENT_PREFIX + name.upper())
-            if text and name not in chosen:
-                chosen[name] = tuple(text.split(",")) if name == "allowed_hosts" else text
-        try:
-            return cls(**chosen)
-        except ValidationError as error:
-            raise ConfigError(_explained(error), tip="becalm serve --help lists every setting") from None
+        return choose(environment, **flags).settings
 
     def initial_config(self) -> MissionConfig:
         """The configuration that the live mission opens with.
@@ -100,6 +115,58 @@ class Settings(BaseModel):
         return LOOPBACK_NAMES if self.host in LOOPBACK_NAMES else ()
 
 
-def _explained(error: ValidationError) -> str:
-    findings = error.errors(include_url=False)
-    return "; ".join(f"{'.'.join(map(str, each['loc']))} = {each['input']!r}: {each['msg']}" for each in findings)
+class Chosen(NamedTuple):
+    """Settings, and where each comes from."""
+
+    settings: Settings
+    sources: dict[str, str]
+    """By name: the option, the variable or the file that says so; what no source names is a default."""
+
+
+def choose(environment: Mapping[str, str], file: Path | None = None, **flags: Any) -> Chosen:
+    """Settings of a file, of the `BECALM_*` variables and of the options that are not None; the last of them wins.
+
+    Args:
+        environment: read for `BECALM_*`.
+        file: TOML or JSON; without one, that of `BECALM_SETTINGS`, if there is any.
+        flags: by the name of the setting; `changes` add to those of the file.
+
+    Raises:
+        ConfigError: a value that cannot be; the message names the setting, where it stands and what would be right.
+
+    """
+    values: dict[str, Any] = {}
+    sources: dict[str, str] = {}
+    for where, given in _layers(environment, file, flags):
+        for name, value in given.items():
+            values[name] = merged(values.get(name, {}), value) if name == "changes" and value else value
+            sources[name] = where.format(option=name.replace("_", "-"), variable=_variable(name))
+    try:
+        return Chosen(Settings(**values), sources)
+    except ValidationError as error:
+        raise ConfigError(_explained(error, sources), tip="becalm serve --help lists every setting") from None
+
+
+def _layers(
+    environment: Mapping[str, str], file: Path | None, flags: Mapping[str, Any]
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What each source says, with the source's name; the weakest first."""
+    named = file or environment.get(SETTINGS_FILE)
+    if named:
+        yield str(named), read_config_file(Path(named), "settings file")
+    texts = {name: environment.get(_variable(name)) for name in Settings.model_fields if name != "changes"}
+    yield "{variable}", {name: text for name, text in texts.items() if text}
+    yield "--{option}", {name: value for name, value in flags.items() if value not in (None, {})}
+
+
+def _variable(name: str) -> str:
+    return ENVIRONMENT_PREFIX + name.upper()
+
+
+def _explained(error: ValidationError, sources: Mapping[str, str]) -> str:
+    return "; ".join(_finding(each, sources) for each in error.errors(include_url=False))
+
+
+def _finding(each: Any, sources: Mapping[str, str]) -> str:
+    field = ".".join(map(str, each["loc"]))
+    return f"{field} = {each['input']!r}: {each['msg']} ({sources[each['loc'][0]]})"

@@ -106,6 +106,9 @@ def test_bad_parameter_exits_2_and_starts_nothing(command, setting, words, tmp_p
         (["run", "--seed", "-1"], ["--seed"]),
         (["serve", "--plant", "zenoh"], ["plant", "zenoh", "simulation"]),
         (["serve", "--port", "70000"], ["--port", "65535"]),
+        (["serve", "--check", "--keep-days", "-1"], ["keep_days", "-1", "--keep-days"]),
+        (["serve", "--check", "--host", "0.0.0.0"], ["host", "token create"]),
+        (["serve", "--json"], ["--check"]),
         (["serve", "--configuration", "nonesuch"], ["nonesuch"]),
     ],
 )
@@ -175,3 +178,25 @@ def test_replay_of_an_unknown_run_says_so():
     result = _invoke("replay", "20200101T000000000-abcdef")
     assert result.exit_code == 1
     assert "does not exist" in result.stderr
+
+
+def test_check_says_what_would_be_started_and_starts_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("BECALM_KEEP_GB", "20")
+    arguments = ("serve", "--check", "--port", "0", "--set", "target.initial_spin=0.6")
+    found = json.loads(_invoke(*arguments, "--json").stdout)
+    assert found["settings"]["keep_gb"] == 20
+    assert found["settings"]["changes"] == {"target": {"initial_spin": 0.6}}
+    assert found["sources"]["keep_gb"] == "BECALM_KEEP_GB"
+    assert (found["sources"]["port"], found["sources"]["host"]) == ("--port", "default")
+    assert found["tokens_required"] is False
+    text = _invoke(*arguments).stdout
+    assert "http://127.0.0.1:0/" in text
+    assert "published_figures" in text
+    assert not (tmp_path / "data").exists()
+
+
+def test_check_of_a_data_folder_that_cannot_be_made_exits_1(tmp_path):
+    (tmp_path / "file").write_text("")
+    result = _invoke("serve", "--check", "--port", "0", "--data-dir", str(tmp_path / "file" / "runs"))
+    assert result.exit_code == 1
+    assert str(tmp_path / "file") in result.stderr

@@ -1,10 +1,10 @@
-"""Settings: flags over environment over defaults."""
+"""Settings: flags over environment over file over defaults."""
 
 from __future__ import annotations
 
 import pytest
 
-from server.settings import Settings
+from server.settings import Settings, choose
 from sim.errors import ConfigError
 
 
@@ -37,3 +37,42 @@ def test_configuration_is_checked():
         Settings(configuration="nonesuch").initial_config()
     with pytest.raises(ConfigError, match=r"target\.mass = -1"):
         Settings(changes={"target": {"mass": -1}}).initial_config()
+
+
+def test_each_source_wins_over_those_before_it(tmp_path):
+    file = tmp_path / "lab.toml"
+    file.write_text('host = "10.0.0.1"\nport = 1\nkeep_days = 3\nallowed_hosts = ["lab.example"]\n')
+    environment = {"BECALM_SETTINGS": str(file), "BECALM_PORT": "2", "BECALM_KEEP_DAYS": "4"}
+    settings, sources = choose(environment, keep_days="5")
+    assert (settings.host, settings.port, settings.keep_days) == ("10.0.0.1", 2, 5.0)
+    assert settings.allowed_hosts == ("lab.example",)
+    assert sources == {
+        "host": str(file), "allowed_hosts": str(file), "port": "BECALM_PORT", "keep_days": "--keep-days"
+    }  # fmt: skip
+    other = tmp_path / "other.json"
+    other.write_text('{"port": 3}')
+    assert choose(environment | {"BECALM_PORT": ""}, other).settings.port == 3
+
+
+def test_changes_of_a_file_and_of_the_command_line_add_up(tmp_path):
+    file = tmp_path / "lab.toml"
+    file.write_text("[changes.target]\ninitial_spin = 0.5\nmass = 2.0\n")
+    changes = choose({}, file, changes={"target": {"mass": 3.0}}).settings.changes
+    assert changes == {"target": {"initial_spin": 0.5, "mass": 3.0}}
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ('prot = 8080\n', "prot = 8080: Extra inputs are not permitted .*lab.toml"),
+        ('min_free_gb = -1\n', "min_free_gb = -1: .*greater than or equal to 0 .*lab.toml"),
+        ('port = \n', "settings file .*lab.toml.* does not parse"),
+    ],
+)  # fmt: skip
+def test_a_settings_file_that_cannot_be_is_named(tmp_path, content, words):
+    file = tmp_path / "lab.toml"
+    file.write_text(content)
+    with pytest.raises(ConfigError, match=words):
+        choose({}, file)
+    with pytest.raises(ConfigError, match=r"none\.toml.*No such file"):
+        choose({"BECALM_SETTINGS": str(tmp_path / "none.toml")})
