@@ -6,19 +6,22 @@ import contextlib
 import errno
 import socket
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import click
 import uvicorn
 
+from server.api.services import Services
 from server.app import create_app
+from server.feed import Feed
 from server.problems import AddressInUse
+from server.service_log import Moment, ServiceLog
 from server.settings import Settings
 
 ANY_ADDRESS = ("0.0.0.0", "::", "")
 
-SHUTDOWN_TIME = 3
-"""How long open connections may take to end [s]."""
+SHUTDOWN_TIME = 2
+"""How long open connections may take to end [s]; the whole service has 5 s."""
 
 
 def bound_socket(host: str, port: int) -> socket.socket:
@@ -58,14 +61,35 @@ def serve(settings: Settings, *, open_page: bool) -> None:
 
     """
     app = create_app(settings)
-    with bound_socket(settings.host, settings.port) as bound:
+    services: Services = app.state.services
+    with bound_socket(settings.host, settings.port) as bound, _logging(services):
         url = address(settings.host, bound.getsockname()[1])
         config = uvicorn.Config(
-            app, log_level="warning", ws_per_message_deflate=False, timeout_graceful_shutdown=SHUTDOWN_TIME
+            app,
+            log_config=None,
+            log_level="warning",
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=SHUTDOWN_TIME,
         )
-        server = _AnnouncingServer(config, lambda: _announce(url, open_page=open_page))
+        server = _Server(config, lambda: _announce(url, open_page=open_page), services.loop.end_soon)
         with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
             server.run(sockets=[bound])
+
+
+@contextlib.contextmanager
+def _logging(services: Services) -> Iterator[None]:
+    """The service's log, for as long as it runs."""
+    lines = ServiceLog(services.settings, lambda: _moment(services.feed))
+    lines.start()
+    try:
+        yield
+    finally:
+        lines.shutdown()
+
+
+def _moment(feed: Feed) -> Moment:
+    latest = feed.latest
+    return Moment(None, None) if latest is None else Moment(latest.snapshot.run_id, latest.snapshot.tick)
 
 
 def address(host: str, port: int) -> str:
@@ -80,14 +104,19 @@ def _announce(url: str, *, open_page: bool) -> None:
         webbrowser.open(url)
 
 
-class _AnnouncingServer(uvicorn.Server):
-    """Says once that it is ready."""
+class _Server(uvicorn.Server):
+    """Says once that it is ready; leaves the robot at rest before it waits for anyone."""
 
-    def __init__(self, config: uvicorn.Config, announce: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, announce: Callable[[], None], end_mission: Callable[[], None]) -> None:
         super().__init__(config)
         self._announce = announce
+        self._end_mission = end_mission
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
             self._announce()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._end_mission()
+        await super().shutdown(sockets)

@@ -18,12 +18,13 @@ from server.access.audit import AuditLog
 from server.access.guard import Access, Guard
 from server.access.headers import SecurityHeaders
 from server.access.tokens import TokenStore
-from server.api import PREFIX, config, health, mission, problem_json, runs, session, studies, telemetry
+from server.api import PREFIX, config, health, metrics, mission, problem_json, runs, session, studies, telemetry
 from server.api.bodies import JsonBodies
 from server.api.origin import SameOrigin
 from server.api.services import Services
 from server.cluster import cluster_workers
 from server.console import serve_console
+from server.disk import GIGABYTE, DiskGuard
 from server.feed import Feed
 from server.loop import MissionLoop
 from server.projector import Projector
@@ -73,11 +74,14 @@ def create_app(settings: Settings) -> FastAPI:
     feed = Feed()
     store = RunStore(settings.data_dir / "runs")
     recorder = Recorder(store)
-    loop = MissionLoop(settings.configuration, initial, feed, recorder)
+    disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE)
+    loop = MissionLoop(settings.configuration, initial, feed, recorder, disk)
     studies = StudyStore(settings.data_dir / "studies")
     study_queue = StudyQueue(studies, partial(_study_workers, settings))
     access = _access(settings)
-    services = Services(settings, access, feed, loop, store, RunIndex(store), ScriptedRuns(store), studies, study_queue)
+    services = Services(
+        settings, access, feed, loop, recorder, disk, store, RunIndex(store), ScriptedRuns(store), studies, study_queue
+    )
     projector = Projector(Scene(initial), feed, loop)
 
     app = Service(
@@ -86,7 +90,7 @@ def create_app(settings: Settings) -> FastAPI:
         description=DESCRIPTION,
         docs_url=None,
         redoc_url=None,
-        lifespan=_lifespan(services, recorder, projector),
+        lifespan=_lifespan(services, projector),
         generate_unique_id_function=_operation_id,
     )
     app.state.services = services
@@ -128,35 +132,50 @@ def _access(settings: Settings) -> Access:
     return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"))
 
 
-def _lifespan(
-    services: Services, recorder: Recorder, projector: Projector
-) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
+def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         sys.setswitchinterval(SWITCH_INTERVAL)
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
-        recorder.start()
+        services.disk.look()
+        services.recorder.start()
         services.loop.start()
         app.state.scene_port = projector.start()
         services.store.recover()
         services.scripted.resume()
         services.study_queue.start()
         settings = services.settings
-        retention = asyncio.create_task(keep_removing(services.store, settings.keep_days, settings.keep_gb))
+        watching = (
+            asyncio.create_task(keep_removing(services.store, settings.keep_days, settings.keep_gb)),
+            asyncio.create_task(services.disk.keep_looking()),
+        )
         try:
             yield
         finally:
-            retention.cancel()
+            for task in watching:
+                task.cancel()
             services.feed.detach()
-            projector.shutdown()
-            services.loop.shutdown()
-            recorder.shutdown()
-            services.scripted.shutdown()
-            services.study_queue.shutdown()
-            services.access.audit.shutdown()
+            await _end(services, projector)
 
     return lifespan
+
+
+async def _end(services: Services, projector: Projector) -> None:
+    """End everything at once: each within its own patience, and all within the longest of them."""
+    ends: tuple[Callable[[], None], ...] = (
+        projector.shutdown,
+        partial(_end_mission, services),
+        services.scripted.shutdown,
+        services.study_queue.shutdown,
+    )
+    await asyncio.gather(*(asyncio.to_thread(end) for end in ends))
+    services.access.audit.shutdown()
+
+
+def _end_mission(services: Services) -> None:
+    services.loop.shutdown()
+    services.recorder.shutdown()
 
 
 def _route(app: FastAPI) -> None:
@@ -164,6 +183,7 @@ def _route(app: FastAPI) -> None:
     for resource in (health, session, mission, config, runs, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
+    app.include_router(metrics.router)
     app.include_router(scene_proxy.router)
     serve_console(app)
 

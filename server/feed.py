@@ -47,6 +47,13 @@ class Subscriber:
         self._next_due = 0.0
         self._unacknowledged: deque[int] = deque()
         self._acknowledges = False
+        self.lost = 0
+        """Frames that were dropped because it did not keep up."""
+
+    @property
+    def waiting(self) -> int:
+        """Frames that it has not taken yet."""
+        return len(self._frames)
 
     def offer(self, frame: Frame, now: float) -> None:
         """Queue a frame, unless it is a snapshot sooner than the subscriber's rate wants one."""
@@ -58,6 +65,7 @@ class Subscriber:
             self._next_due = max(self._next_due + period, now + 0.5 * period)
         elif frame.kind == "reset":
             self._unacknowledged.clear()
+        self.lost += len(self._frames) == CAPACITY
         self._frames.append(frame)
         self._ready.set()
 
@@ -93,6 +101,17 @@ class Feed:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._pending: deque[Frame] = deque(maxlen=CAPACITY)
         self._scheduled = threading.Event()
+        self._lost_by_gone = 0
+
+    @property
+    def subscribers(self) -> tuple[Subscriber, ...]:
+        """Who watches now. In the event loop only."""
+        return tuple(self._subscribers)
+
+    @property
+    def lost(self) -> int:
+        """Frames that watchers have lost since the service began. In the event loop only."""
+        return self._lost_by_gone + sum(subscriber.lost for subscriber in self._subscribers)
 
     def attach(self, loop: asyncio.AbstractEventLoop) -> None:
         """From now on subscribers live in this event loop."""
@@ -110,7 +129,9 @@ class Feed:
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
         """The watcher has gone."""
-        self._subscribers.discard(subscriber)
+        if subscriber in self._subscribers:
+            self._subscribers.remove(subscriber)
+            self._lost_by_gone += subscriber.lost
 
     def publish(self, snapshot: MissionSnapshot) -> None:
         """Make this the latest snapshot."""

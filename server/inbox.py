@@ -72,6 +72,11 @@ class Inbox:
         self._lock = threading.Lock()
         self._stops: list[tuple[Request, Answer]] = []
 
+    @property
+    def waiting(self) -> int:
+        """Requests that have not been looked at."""
+        return len(self._requests) + len(self._stops)
+
     def put(self, request: Request) -> Answer:
         """Queue a request.
 

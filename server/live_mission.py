@@ -30,6 +30,9 @@ RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
 _FLOWN_UNDER = frozenset(command.value for command in Command)
 """The requests that change what is flown; the others change the clock or the mission."""
 
+_LOG_LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
+"""Of an event's line in the service's log."""
+
 log = logging.getLogger(__name__)
 
 
@@ -263,6 +266,8 @@ class LiveMission:
     def _log(self, event: LoggedEvent) -> None:
         self.run.log(event)
         self._announce(event)
+        marks = event.model_dump(include={"kind", "who", "command", "accepted", "tick"}, exclude_none=True)
+        log.log(_LOG_LEVELS[event.severity], event.message, extra={"run": self.run.id, **marks})
 
     def _note_stillness(self) -> None:
         if self.phase in ACTIVE_PHASES or self._activity is not Activity.NONE:

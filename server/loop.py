@@ -12,10 +12,11 @@ import time
 from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple
 
+from server.disk import DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
 from server.inbox import Answer, CommandAnswer, Inbox, Request
-from server.live_mission import LiveMission, display_name
+from server.live_mission import RESTING_PHASES, LiveMission, display_name
 from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
@@ -60,9 +61,12 @@ class _Step(NamedTuple):
 class MissionLoop:
     """Flies the live mission in a thread of its own, at the pace that the operator chose."""
 
-    def __init__(self, configuration: str, config: MissionConfig, feed: Feed, recorder: Recorder) -> None:
+    def __init__(
+        self, configuration: str, config: MissionConfig, feed: Feed, recorder: Recorder, disk: DiskGuard
+    ) -> None:
         self._feed = feed
         self._recorder = recorder
+        self._disk = disk
         self._inbox = Inbox()
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._live, name="becalm-mission", daemon=True)
@@ -80,10 +84,14 @@ class MissionLoop:
         """Start the thread; it prepares the simulation first."""
         self._thread.start()
 
-    def shutdown(self, timeout: float = 5.0) -> None:
-        """Close the run and end the thread."""
+    def end_soon(self) -> None:
+        """Stop the robot, answer who waits, and close the run, all at the next turn; does not wait for it."""
         self._closing.set()
         self._inbox.wake.set()
+
+    def shutdown(self, timeout: float = 2.0) -> None:
+        """Stop the robot, close the run and end the thread."""
+        self.end_soon()
         if self._mission is not None:  # compiling cannot be interrupted, and has no run to close
             self._thread.join(timeout)
 
@@ -99,6 +107,16 @@ class MissionLoop:
     def tick_age(self) -> float | None:
         """Wall time since the last tick was flown [s]."""
         return None if self._flown_at is None else time.monotonic() - self._flown_at
+
+    @property
+    def pace(self) -> Pace:
+        """The clock, for readers of its counters in other threads."""
+        return self._pace
+
+    @property
+    def waiting(self) -> int:
+        """Requests that have not been looked at."""
+        return self._inbox.waiting
 
     @property
     def flight(self) -> Flight:
@@ -151,7 +169,21 @@ class MissionLoop:
         self._finish_step("the service ended")
         self._deliver()
         self._inbox.refuse_all(self.not_ready())
+        try:
+            self._leave_at_rest()
+        except Exception as error:
+            self._flying.fail(error)
         self._flying.close()
+
+    def _leave_at_rest(self) -> None:
+        """The last that the robot hears of the service is to stand still."""
+        if self._flying.phase in RESTING_PHASES:
+            return
+        self._flying.stop()
+        self._flying.log_request(Request("stop", who="service"), accepted=True, message="the service ends")
+        if self._pace.running:
+            self._fly(1, time.monotonic())
+        self._publish(time.monotonic())
 
     @property
     def _flying(self) -> LiveMission:
@@ -389,6 +421,12 @@ class MissionLoop:
             self._recorder.failure,
             "The run is not being recorded",
             "make room on the disk or choose another BECALM_DATA_DIR, then reset",
+        )
+        self._show_problem(
+            "disk",
+            self._disk.warning,
+            "The disk is nearly full",
+            "delete runs or studies; no more are queued until there is room",
         )
 
     def _show_problem(self, key: str, message: str | None, title: str, tip: str) -> None:

@@ -6,6 +6,7 @@ tick, and never stretches the mission's time.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import deque
 
 FULL_SPEED = 0.0
@@ -19,6 +20,9 @@ CATCH_UP = 0.02
 
 GIVE_UP = 0.5
 """Lateness beyond which the schedule starts anew, and the clock counts as slipped [s]."""
+
+LATENESS_BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5)
+"""Upper ends of the classes in which lateness is counted, but for the last, which has none [s]."""
 
 WINDOW = 1.0
 """Lateness and real-time factor are those of the last second."""
@@ -38,6 +42,10 @@ class Pace:
         self._lateness: deque[tuple[float, float]] = deque()
         self._flown: deque[tuple[float, int]] = deque()
         self.slips = 0
+        self.lateness_counts = [0] * (len(LATENESS_BOUNDS) + 1)
+        """Turns on a schedule, by how late their oldest tick was; see `LATENESS_BOUNDS`."""
+        self.lateness_sum = 0.0
+        """Of all these turns [s]."""
 
     def anchor(self, now: float) -> None:
         """Start the schedule anew: the next tick is due one period from now."""
@@ -107,8 +115,10 @@ class Pace:
         return self._anchor_time + (self._ticks_since + 1) * self._wall_period(resting)
 
     def _note_lateness(self, now: float, late: float) -> None:
-        if late > 0.0:
+        if late >= 0.0:  # else no tick is due yet
             self._lateness.append((now, late))
+            self.lateness_counts[bisect_left(LATENESS_BOUNDS, late)] += 1
+            self.lateness_sum += late
 
 
 def _forget(window: deque[tuple[float, float]] | deque[tuple[float, int]], now: float) -> None:

@@ -5,6 +5,7 @@ CaptureError (sim.errors)
 ├── StudyNotFound   no such study (REST 404)
 ├── StudyRefused    a request that the study's status does not allow (REST 409)
 ├── ConfirmationNeeded  a study of very many cells (REST 409)
+├── DiskFull        too little room for another run or study (REST 507)
 ├── LoopSilent      the mission thread did not answer in time (REST 504)
 └── AddressInUse    the port cannot be bound (exit 1)
 """
@@ -25,6 +26,10 @@ class ServiceBusy(CaptureError):
 
 class LoopSilent(CaptureError):
     """The mission thread did not answer in time."""
+
+
+class DiskFull(CaptureError):
+    """Too little room is left on the disk to begin something that would take more."""
 
 
 class StudyNotFound(CaptureError):

@@ -31,7 +31,7 @@ class Projector:
         self._thread.start()
         return port
 
-    def shutdown(self, timeout: float = 5.0) -> None:
+    def shutdown(self, timeout: float = 2.0) -> None:
         """End the thread and the scene."""
         self._closing.set()
         self._thread.join(timeout)

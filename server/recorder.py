@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -36,6 +37,7 @@ class Recorder:
         self._writer: RunWriter | None = None
         self._received = 0
         self._written = 0
+        self._written_at = 0.0
         self.failure: str | None = None
 
     def start(self) -> None:
@@ -43,7 +45,7 @@ class Recorder:
         prepare_logs()
         self._thread.start()
 
-    def shutdown(self, timeout: float = 5.0) -> None:
+    def shutdown(self, timeout: float = 2.0) -> None:
         """Write what waits, then end the thread."""
         self._closing.set()
         self._wake.set()
@@ -53,6 +55,11 @@ class Recorder:
     def backlog(self) -> int:
         """Bytes of ticks that wait for the disk."""
         return self._received - self._written
+
+    @property
+    def lag(self) -> float:
+        """How long the oldest tick in memory may have waited for the disk [s]."""
+        return time.monotonic() - self._written_at if self.backlog else 0.0
 
     def open(self, record: RunRecord) -> None:
         """Begin a run."""
@@ -95,9 +102,11 @@ class Recorder:
         self._guarded(lambda: self._close({}))
 
     def _write(self) -> None:
+        began = time.monotonic()
         while self._work:
             self._guarded(self._work.popleft())
         self._guarded(lambda: self._with_writer(RunWriter.flush))
+        self._written_at = began
 
     def _guarded(self, work: Callable[[], None]) -> None:
         try:

@@ -101,6 +101,14 @@ class RunIndex:
             ids = [name for (name,) in found]
         return Found(ids[:limit], ids[limit - 1] if len(ids) > limit else None)
 
+    def tally(self) -> dict[tuple[RunKind, RunStatus, OutcomeClass | None], int]:
+        """How many readable runs there are of each kind, status and outcome."""
+        with self._fresh() as rows:
+            found = rows.execute(
+                "SELECT kind, status, outcome, COUNT(*) FROM runs WHERE unreadable IS NULL GROUP BY 1, 2, 3"
+            )
+            return {(kind, status, outcome): count for kind, status, outcome, count in found}
+
     def unreadable(self) -> dict[str, str]:
         """Why a folder holds a run of another version, or a damaged record, by its identifier."""
         with self._fresh() as rows:

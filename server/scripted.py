@@ -6,14 +6,11 @@ A run waits as a folder in the store, so that what was queued when the service e
 from __future__ import annotations
 
 import logging
-import multiprocessing
-import os
-import signal
 import threading
 import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from pathlib import Path
 
 from server.problems import ServiceBusy
@@ -23,6 +20,7 @@ from sim.capture.events import Event
 from sim.capture.run import run_capture
 from sim.control.phases import Command
 from sim.errors import CaptureError, MissionRefused
+from sim.study.executors import LocalProcesses
 
 CAPACITY = 64
 """Runs that may wait."""
@@ -102,11 +100,6 @@ def _fly_in_worker(root: Path, run_id: str) -> None:
         fly(store, record)
 
 
-def _be_nice() -> None:
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
-
-
 class ScriptedRuns:
     """The queue of scripted runs and the worker that flies them one by one."""
 
@@ -114,12 +107,16 @@ class ScriptedRuns:
         self._store = store
         self._waiting: deque[str] = deque()
         self._flying: str | None = None
-        self._pool: ProcessPoolExecutor | None = None
-        self._worker: Future[int] | None = None
+        self._pool: LocalProcesses | None = None
         self._idle = threading.Event()
         self._idle.set()
         self._closing = False
         self._lock = threading.Lock()
+
+    @property
+    def waiting(self) -> int:
+        """Runs that wait to be flown."""
+        return len(self._waiting)
 
     def resume(self) -> None:
         """Queue again what waited when the service last ended."""
@@ -167,17 +164,17 @@ class ScriptedRuns:
         else:
             self._store.cancel(run_id)
 
-    def shutdown(self, patience: float = 3.0) -> None:
+    def shutdown(self, patience: float = 1.5) -> None:
         """End the worker, and with it the run that it flies. What waits is flown after the next start."""
         with self._lock:
             self._closing = True
-            pool, self._pool, flying, worker = self._pool, None, self._flying, self._worker
+            pool, self._pool, flying = self._pool, None, self._flying
         if pool is None:
             return
         if flying is not None:
             self._store.cancel(flying)
-        if not self._idle.wait(patience) and worker is not None and worker.done():
-            os.kill(worker.result(), signal.SIGTERM)  # it still compiles; its run will be found as it was left
+        if not self._idle.wait(patience):
+            pool.kill()  # it still loads or compiles; its run will be found as it was left
         pool.shutdown(wait=True, cancel_futures=True)
 
     def _submit(self, run_id: str) -> None:
@@ -194,12 +191,9 @@ class ScriptedRuns:
             future = self._running_pool().submit(_fly_in_worker, self._store.root, run_id)
         future.add_done_callback(lambda done: self._flown(run_id, done))
 
-    def _running_pool(self) -> ProcessPoolExecutor:
+    def _running_pool(self) -> LocalProcesses:
         if self._pool is None:
-            # Spawned, not forked: a fork would copy the service's locks and sockets.
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_be_nice)
-            self._worker = self._pool.submit(os.getpid)
+            self._pool = LocalProcesses(1, NICENESS)
         return self._pool
 
     def _flown(self, run_id: str, future: Future[None]) -> None:
@@ -209,7 +203,7 @@ class ScriptedRuns:
             if error is not None:
                 self._pool = None  # a worker that died takes its pool with it; the next run gets a new one
         self._idle.set()
-        if error is not None:
+        if error is not None and not self._closing:
             log.error("run %s failed", run_id, exc_info=error)
             if self._store.record(run_id).status == "queued":
                 self._close_unflown(run_id, "failed", f"the worker process failed: {error}")

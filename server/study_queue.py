@@ -5,10 +5,14 @@ A study that was waiting or flying when the service ended, however it ended, goe
 
 from __future__ import annotations
 
+import importlib
 import logging
 import threading
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
@@ -16,7 +20,7 @@ from server.run_folder import wall_clock
 from server.studies import StudyRecord, StudyStatus, StudyStore
 from sim.errors import CaptureError
 from sim.study.design import Study
-from sim.study.executors import Workers
+from sim.study.executors import LocalProcesses, OpenExecutor, Workers, WorkersUnavailable
 from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time
 from sim.study.table import StudyTable
 
@@ -46,7 +50,13 @@ class StudyQueue:
         self._flying: _Flying | None = None
         self._changed = threading.Condition()
         self._closing = False
+        self._executor: Executor | None = None
         self._thread = threading.Thread(target=self._live, name="becalm-studies", daemon=True)
+
+    @property
+    def waiting(self) -> int:
+        """Studies that wait to be flown."""
+        return len(self._waiting)
 
     def start(self) -> None:
         """Take up what the last service left unfinished, and start the thread."""
@@ -55,14 +65,20 @@ class StudyQueue:
                 self._waiting.append(self._store.revise(record.id, status="queued").id)
         self._thread.start()
 
-    def shutdown(self, patience: float = 5.0) -> None:
-        """End after the cells in flight; what has not finished goes on after the next start."""
+    def shutdown(self, patience: float = 1.5) -> None:
+        """End after the cells in flight, or without those that take longer than `patience` [s].
+
+        What has not finished goes on after the next start.
+        """
         with self._changed:
             self._closing = True
             if self._flying is not None:
                 self._flying.cancelled.set()
             self._changed.notify()
         self._thread.join(patience)
+        if self._thread.is_alive() and isinstance(self._executor, LocalProcesses):
+            self._executor.kill()
+            self._thread.join(patience)
 
     def add(self, study: Study, *, confirmed: bool) -> StudyRecord:
         """Put a study at the end of the queue.
@@ -147,10 +163,13 @@ class StudyQueue:
         self._changed.notify()
 
     def _live(self) -> None:
+        importlib.import_module("scipy.stats")  # takes a second or two: no request shall wait for it
         while (flying := self._next()) is not None:
             try:
                 self._fly(*flying[:2])
             except CaptureError as error:
+                if self._closing:
+                    return  # for want of workers; it goes on after the next start
                 self._end(flying.study_id, "failed", str(error))
             except Exception as error:
                 # The thread outlives every failure: the studies that wait are flown all the same.
@@ -173,7 +192,8 @@ class StudyQueue:
             flight = Flight(table, cancelled)
             self._flying = _Flying(study_id, cancelled, flight)
             try:
-                flight.fly(self._find_workers())
+                workers = self._find_workers()
+                flight.fly(replace(workers, open_executor=partial(self._open_executor, workers.open_executor)))
             finally:
                 progress = flight.progress
                 self._store.revise(study_id, done=progress.done, wall_time=record.wall_time + progress.wall_time)
@@ -181,6 +201,18 @@ class StudyQueue:
             self._end(study_id, "finished", None)
         elif not self._closing:
             self._end(study_id, "cancelled", None)
+
+    def _open_executor(self, opened: OpenExecutor) -> Executor:
+        """A fresh executor, to be killed if the service ends; none once it does.
+
+        Raises:
+            WorkersUnavailable: the service ends.
+
+        """
+        if self._closing:
+            raise WorkersUnavailable("the service ends")
+        self._executor = opened()
+        return self._executor
 
     def _end(self, study_id: str, status: StudyStatus, note: str | None) -> None:
         self._store.revise(study_id, status=status, note=note, ended=wall_clock())

@@ -25,6 +25,11 @@ class AuditLog:
         self._lines: queue.Queue[logging.LogRecord] = queue.Queue(WAITING_LINES)
         self._writer: logging.handlers.QueueListener | None = None
 
+    @property
+    def waiting(self) -> int:
+        """Lines that wait for the disk."""
+        return self._lines.qsize()
+
     def start(self) -> None:
         """Open the file, which only its owner may read."""
         self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)

@@ -16,7 +16,7 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
-from server.problems import ConfirmationNeeded, LoopSilent, ServiceBusy, StudyNotFound, StudyRefused
+from server.problems import ConfirmationNeeded, DiskFull, LoopSilent, ServiceBusy, StudyNotFound, StudyRefused
 from sim.config import PARAMETERS
 from sim.errors import CaptureError, ConfigError, MissionRefused, RunNotFound
 from sim.study.executors import WorkersUnavailable
@@ -35,6 +35,7 @@ STATUSES: dict[type[CaptureError], int] = {
     WorkersUnavailable: 503,
     ServiceBusy: 503,
     LoopSilent: 504,
+    DiskFull: 507,
 }
 
 _TITLES = {
@@ -51,6 +52,7 @@ _TITLES = {
     429: "Too many attempts",
     503: "Not now",
     504: "No answer",
+    507: "No room",
 }
 
 _TIPS = {

@@ -138,7 +138,7 @@ class RunPage(BaseModel):
     next_cursor: str | None = Field(description="For the next page; null on the last one")
 
 
-@router.post("", status_code=202, responses=responses(409, 503))
+@router.post("", status_code=202, responses=responses(409, 503, 507))
 def start_runs(
     services: ServicesDep,
     body: Annotated[OneRun | ManyRuns, Discriminator(_one_or_many)],
@@ -155,6 +155,7 @@ def start_runs(
     found = services.scripted.queued_before(key, digest) if key else []
     if not found:
         records = [_queued(each, key, digest) for each in requests]
+        services.disk.require_room()
         services.scripted.queue(records)
         found = [record.id for record in records]
     queued = [run_of(services.store.read(run_id)) for run_id in found]

@@ -9,8 +9,10 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from server.access.guard import Access, holder_of
+from server.disk import DiskGuard
 from server.feed import Feed
 from server.loop import MissionLoop
+from server.recorder import Recorder
 from server.run_index import RunIndex
 from server.runs import RunStore
 from server.scripted import ScriptedRuns
@@ -27,6 +29,8 @@ class Services:
     access: Access
     feed: Feed
     loop: MissionLoop
+    recorder: Recorder
+    disk: DiskGuard
     store: RunStore
     index: RunIndex
     scripted: ScriptedRuns

@@ -156,10 +156,11 @@ class PublishedTables(BaseModel):
     cells: list[PublishedCell]
 
 
-@router.post("", status_code=202, responses=responses(409, 503))
+@router.post("", status_code=202, responses=responses(409, 503, 507))
 def start_study(services: ServicesDep, body: StudyRequest, response: Response) -> StudyDetail:
     """Queue a study. One of more than 10 000 cells is refused (409) with the time it takes until it is confirmed."""
     chosen = named_study(body.study) if isinstance(body.study, str) else study_of(body.study)
+    services.disk.require_room()
     record = services.study_queue.add(altered(chosen, body.changes, body.seed), confirmed=body.confirm)
     response.headers["Location"] = f"/api/v1/studies/{record.id}"
     return _detail(services, record)
@@ -206,9 +207,10 @@ def cancel_study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
     return _detail(services, services.study_queue.cancel(study_id))
 
 
-@router.post("/{study_id}/resume", status_code=202, responses=responses(404, 409, 503))
+@router.post("/{study_id}/resume", status_code=202, responses=responses(404, 409, 503, 507))
 def resume_study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
     """Go on with a study that was cancelled or has failed, from the rows that it has."""
+    services.disk.require_room()
     return _detail(services, services.study_queue.resume(study_id))
 
 
@@ -252,7 +254,7 @@ def results(
     )
 
 
-@router.post("/{study_id}/cells/{index}/run", status_code=202, responses=responses(404, 503))
+@router.post("/{study_id}/cells/{index}/run", status_code=202, responses=responses(404, 503, 507))
 def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, response: Response) -> Run:
     """Fly one cell again, recording every tick, as a run of the library; it ends bit for bit as its row says."""
     of = services.studies.record(study_id).study
@@ -261,6 +263,7 @@ def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, respons
     config = configured(of.base, of.cell(index))
     name = display_name(of.configuration, config)
     record = new_record("study", name, config, direct=of.direct, status="queued", parent=study_id)
+    services.disk.require_room()
     services.scripted.queue([record])
     response.headers["Location"] = f"/api/v1/runs/{record.id}"
     return run_of(services.store.read(record.id))

@@ -7,7 +7,7 @@ rates. An explicit update would fail from 1.1 ms on at m = 0.01 kg, d = 15 N s/m
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import expm
+import scipy
 
 from sim.compiled import FloatArray, compiled
 from sim.config import ImpedanceConfig
@@ -20,7 +20,7 @@ def admittance_transition(impedance: ImpedanceConfig, period: float) -> FloatArr
     """
     m, d, k = impedance.mass, impedance.damping, impedance.stiffness
     dynamics = np.array([[0.0, 1.0, 0.0], [-k / m, -d / m, 1.0 / m], [0.0, 0.0, 0.0]])
-    transition: FloatArray = expm(dynamics * period)
+    transition: FloatArray = scipy.linalg.expm(dynamics * period)
     return np.ascontiguousarray(transition[:2])
 
 

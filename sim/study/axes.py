@@ -12,6 +12,7 @@ from functools import cache
 from typing import Annotated, Any, Self
 
 import numpy as np
+import scipy
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -23,7 +24,6 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from scipy.stats import norm, qmc, truncnorm
 
 from sim.compiled import FloatArray
 from sim.config import PARAMETERS, Number, WholeNumber
@@ -173,10 +173,10 @@ class Distribution(StudyModel):
         assert mean is not None
         assert deviation is not None
         if self.start is None and self.stop is None:
-            return np.asarray(norm.ppf(fractions, mean, deviation))
+            return np.asarray(scipy.stats.norm.ppf(fractions, mean, deviation))
         low = -math.inf if self.start is None else (self.start - mean) / deviation
         high = math.inf if self.stop is None else (self.stop - mean) / deviation
-        return np.asarray(truncnorm.ppf(fractions, low, high, mean, deviation))
+        return np.asarray(scipy.stats.truncnorm.ppf(fractions, low, high, mean, deviation))
 
 
 class Samples(StudyModel):
@@ -205,8 +205,8 @@ class Samples(StudyModel):
         if self.method is SampleMethod.RANDOM:
             return generator.random((self.count, width))
         if self.method is SampleMethod.SOBOL:
-            return np.asarray(qmc.Sobol(width, rng=generator).random_base2(self.count.bit_length() - 1))
-        return np.asarray(qmc.LatinHypercube(width, rng=generator).random(self.count))
+            return np.asarray(scipy.stats.qmc.Sobol(width, rng=generator).random_base2(self.count.bit_length() - 1))
+        return np.asarray(scipy.stats.qmc.LatinHypercube(width, rng=generator).random(self.count))
 
 
 def _require_spacing(spacing: Spacing, start: float | None, stop: float | None, *, stepped: bool) -> None:

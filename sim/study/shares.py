@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
+import scipy
 from pydantic import Field
-from scipy.stats import binomtest
 
 from sim.capture.snapshot import Published
 from sim.study.design import Study
@@ -44,6 +44,6 @@ def outcome_shares(study: Study, rows: Iterable[Row]) -> list[OutcomeShare]:
 def _share(outcome: str, cells: int, total: int, *, sampled: bool) -> OutcomeShare:
     low = high = None
     if sampled:
-        interval = binomtest(cells, total).proportion_ci(CONFIDENCE, method="wilson")
+        interval = scipy.stats.binomtest(cells, total).proportion_ci(CONFIDENCE, method="wilson")
         low, high = float(interval.low), float(interval.high)
     return OutcomeShare(outcome=outcome, cells=cells, share=cells / total, low=low, high=high)

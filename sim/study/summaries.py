@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy.stats import binomtest, quantile_test, sem, t
 
 from sim.capture.snapshot import Published
 from sim.study.design import Study
@@ -59,7 +59,7 @@ def measure_summaries(study: Study, rows: Iterable[Row]) -> list[MeasureSummary]
 def _summary(measure: str, unit: str, values: Sequence[float | bool]) -> MeasureSummary:
     if isinstance(values[0], bool):
         true = sum(map(bool, values))
-        share = binomtest(true, len(values)).proportion_ci(CONFIDENCE, method="wilson")
+        share = scipy.stats.binomtest(true, len(values)).proportion_ci(CONFIDENCE, method="wilson")
         mean = Estimate(value=true / len(values), low=float(share.low), high=float(share.high))
         return MeasureSummary(measure=measure, unit=unit, cells=len(values), mean=mean, median=None, quantile_95=None)
     drawn = np.asarray(values, dtype=float)
@@ -77,13 +77,15 @@ def _mean(drawn: np.ndarray) -> Estimate:
     mean = float(np.mean(drawn))
     if len(drawn) < 2 or np.ptp(drawn) == 0.0:
         return Estimate(value=mean, low=None, high=None)
-    low, high = t.interval(CONFIDENCE, len(drawn) - 1, loc=mean, scale=sem(drawn))
+    low, high = scipy.stats.t.interval(CONFIDENCE, len(drawn) - 1, loc=mean, scale=scipy.stats.sem(drawn))
     return Estimate(value=mean, low=float(low), high=float(high))
 
 
 def _quantile(drawn: np.ndarray, share: float) -> Estimate:
     value = float(np.quantile(drawn, share))
-    interval: Any = quantile_test(drawn, q=value, p=share).confidence_interval(CONFIDENCE)  # its stubs say float
+    interval: Any = scipy.stats.quantile_test(drawn, q=value, p=share).confidence_interval(
+        CONFIDENCE
+    )  # its stubs say float
     return Estimate(value=value, low=_known(interval.low), high=_known(interval.high))
 
 

@@ -97,6 +97,7 @@ class TestRoles:
             ("GET", "/", None),
             ("GET", "/assets/index-1.js", None),
             ("GET", "/api/v1/health", None),
+            ("GET", "/metrics", Role.VIEWER),
             ("POST", "/api/v1/session", None),
             ("GET", "/api/v1/mission", Role.VIEWER),
             (WEBSOCKET, "/api/v1/telemetry", Role.VIEWER),

@@ -88,3 +88,11 @@ def test_real_time_factor():
     for turn in range(1, 1001):
         _fly(pace, turn * PERIOD)
     assert pace.real_time_factor(1.0) == pytest.approx(1.0, abs=0.01)
+
+
+def test_lateness_is_counted_by_classes():
+    pace = Pace(PERIOD, 0.0)
+    for now in (0.0005, 0.0015, 0.0095):  # nothing due; half a millisecond late; seven and a half
+        _fly(pace, now)
+    assert pace.lateness_counts == [1, 0, 0, 1, 0, 0, 0, 0, 0]
+    assert pace.lateness_sum == pytest.approx(0.008)

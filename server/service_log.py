@@ -1,0 +1,90 @@
+"""The service's own log: lines on standard error, of text or of JSON, each with the run and the tick of its moment."""
+
+from __future__ import annotations
+
+import json
+import logging
+import logging.handlers
+import sys
+from collections.abc import Callable
+from datetime import UTC, datetime
+from queue import Queue
+from typing import NamedTuple, TextIO
+
+from server.settings import Settings
+
+OUR_LOGGERS = ("becalm", "server", "sim")
+"""Whose lines the setting `log_level` chooses; of all others there are warnings and errors only."""
+
+WAITING_LINES = 10_000
+
+TEXT = "%(asctime)s %(levelname)s %(name)s [%(run)s %(tick)s] %(message)s"
+
+MISSION_FIELDS = ("kind", "who", "command", "accepted")
+"""What a line about the mission has besides."""
+
+
+class Moment(NamedTuple):
+    """The run and the tick that is flown."""
+
+    run: str | None
+    tick: int | None
+
+
+class ServiceLog:
+    """Lines are formatted where they come about and written by a thread of their own: nobody waits for a terminal."""
+
+    def __init__(self, settings: Settings, moment: Callable[[], Moment], stream: TextIO | None = None) -> None:
+        formatter = JsonLine() if settings.log_format == "json" else logging.Formatter(TEXT)
+        self._handler = _Queued(Queue(WAITING_LINES), moment, formatter)
+        self._writer = logging.handlers.QueueListener(self._handler.queue, logging.StreamHandler(stream or sys.stderr))
+        self._level = logging.getLevelNamesMapping()[settings.log_level.upper()]
+
+    def start(self) -> None:
+        """Take every line of this process from now on."""
+        logging.getLogger().addHandler(self._handler)
+        for name in OUR_LOGGERS:
+            logging.getLogger(name).setLevel(self._level)
+        self._writer.start()
+
+    def shutdown(self) -> None:
+        """Write what waits, and take no more."""
+        logging.getLogger().removeHandler(self._handler)
+        for name in OUR_LOGGERS:
+            logging.getLogger(name).setLevel(logging.NOTSET)
+        self._writer.stop()
+
+
+class _Queued(logging.handlers.QueueHandler):
+    """Puts each line's moment into it, and queues it as it will be written."""
+
+    queue: Queue[logging.LogRecord]
+
+    def __init__(
+        self, lines: Queue[logging.LogRecord], moment: Callable[[], Moment], formatter: logging.Formatter
+    ) -> None:
+        super().__init__(lines)
+        self._moment = moment
+        self.setFormatter(formatter)
+
+    def prepare(self, record: logging.LogRecord) -> logging.LogRecord:
+        now = self._moment()
+        for name in Moment._fields:
+            setattr(record, name, getattr(record, name, getattr(now, name)))
+        return logging.makeLogRecord({"msg": self.format(record)})
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
+        """A line that finds no room is lost: whoever reads the log does not keep up, and must hold nobody up."""
+
+
+class JsonLine(logging.Formatter):
+    """One JSON document a line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line: `at`, `level`, `logger`, `message`, `run`, `tick`; of the mission's also who asked for what."""
+        at = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
+        line = {"at": at, "level": record.levelname.lower(), "logger": record.name, "message": record.getMessage()}
+        line |= {name: getattr(record, name) for name in (*Moment._fields, *MISSION_FIELDS) if hasattr(record, name)}
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line, default=str)

@@ -1,0 +1,40 @@
+"""The disk guard: how much is free, and what is refused when it is little."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from server.disk import DiskGuard
+from server.problems import DiskFull
+
+
+def test_there_is_room(tmp_path):
+    guard = DiskGuard(tmp_path / "not" / "made" / "yet", 0.0)
+    guard.look()
+    assert guard.free == pytest.approx(shutil.disk_usage(tmp_path).free, rel=0.05)
+    assert guard.warning is None
+    guard.require_room()
+
+
+def test_little_room_is_told_and_refused(tmp_path):
+    guard = DiskGuard(tmp_path, 1e18)
+    guard.require_room()  # nobody has looked yet
+    guard.look()
+    assert "less than the 1e+09 GB of min_free_gb" in guard.warning
+    with pytest.raises(DiskFull, match="GB are free"):
+        guard.require_room()
+
+
+def test_a_disk_that_does_not_say_warns_of_nothing(tmp_path, monkeypatch):
+    guard = DiskGuard(tmp_path, 1e18)
+    guard.look()
+
+    def silent(_: object) -> None:
+        raise OSError("stale file handle")
+
+    monkeypatch.setattr(shutil, "disk_usage", silent)
+    guard.look()
+    assert guard.free is None
+    assert guard.warning is None

@@ -1,0 +1,71 @@
+"""The service's log: one line each, with its run and tick, and nobody waits for whoever reads it."""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+
+import pytest
+
+from server.service_log import Moment, ServiceLog
+from server.settings import Settings
+
+
+@pytest.fixture
+def written():
+    """Runs something with a log of these settings; what it wrote."""
+
+    def write(act, **settings) -> str:
+        stream = io.StringIO()
+        lines = ServiceLog(Settings(**settings), lambda: Moment("run-1", 7), stream)
+        lines.start()
+        try:
+            act()
+        finally:
+            lines.shutdown()
+        return stream.getvalue()
+
+    return write
+
+
+def test_a_json_line_has_its_run_and_tick(written):
+    line = json.loads(written(lambda: logging.getLogger("server.x").warning("late by %d ms", 80), log_format="json"))
+    assert line.pop("at").endswith("+00:00")
+    assert line == {
+        "level": "warning", "logger": "server.x", "message": "late by 80 ms", "run": "run-1", "tick": 7
+    }  # fmt: skip
+
+
+def test_a_line_of_the_mission_knows_better_which_tick_it_is_of(written):
+    marks = {"tick": 3, "who": "ana", "command": "hold", "accepted": False}
+
+    def refuse() -> None:
+        logging.getLogger("server.live_mission").warning("refused", extra=marks)
+
+    line = json.loads(written(refuse, log_format="json"))
+    assert {name: line[name] for name in marks} == marks
+    assert line["run"] == "run-1"
+
+
+def test_an_exception_stays_on_its_line(written):
+    def fail() -> None:
+        try:
+            raise ValueError("no such thing")
+        except ValueError:
+            logging.getLogger("sim.y").exception("it failed")
+
+    text = written(fail, log_format="json")
+    assert text.count("\n") == 1
+    assert "ValueError: no such thing" in json.loads(text)["exception"]
+
+
+def test_level_and_format(written):
+    def both() -> None:
+        logging.getLogger("server.x").info("a detail")
+        logging.getLogger("httpx").info("a request")
+
+    assert written(both) == ""
+    text = written(both, log_level="info")
+    assert "INFO server.x [run-1 7] a detail" in text
+    assert "a request" not in text
