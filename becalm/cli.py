@@ -37,6 +37,8 @@ Examples:
                                fly the paper's parametric study on all cores
   becalm reproduce --out reproduction
                                reproduce the paper and explain the result in a report
+  becalm robot --listen tcp/127.0.0.1:7447
+                               an emulated robot for becalm serve --plant zenoh
   becalm COMMAND --help        options and more examples
 """
 
@@ -45,6 +47,7 @@ Examples:
   becalm serve
   becalm serve --port 8080 --no-open
   becalm serve --configuration published --set control.impedance.damping=3.0
+  becalm serve --plant zenoh --connect tcp/127.0.0.1:7447
   becalm serve --settings lab.toml --check
 
 \b
@@ -67,6 +70,18 @@ Examples:
   becalm run --direct --json
   becalm run --configuration published_figures --log capture.mcap
   becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
+"""
+
+ROBOT_EXAMPLES = """\b
+Examples:
+  becalm robot --listen tcp/127.0.0.1:7447 --seed 1
+  becalm robot --listen tcp/127.0.0.1:7447 --set target.initial_spin=0.8 --imperfection force_noise=0.05
+  becalm robot --listen tcp/127.0.0.1:7447 --fault loss=0.05 --fault joint_stuck=left_joint_2@12
+  becalm robot --listen tls/0.0.0.0:7447 --tls-certificate robot.pem --tls-key robot.key --users users.txt
+
+\b
+Faults: delay, jitter [s], loss, sensor_freeze (joints, left_wrist, right_wrist, base, target), joint_stuck,
+hang [s], restart [s away]; from the start, or from @SECONDS after it.
 """
 
 REPLAY_EXAMPLES = """\b
@@ -343,3 +358,66 @@ def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_js
 
     document = reproducing.reproduce(out, workers or cores(), every, ablate=ablate)
     click.echo(json.dumps(document) if as_json else reproducing.as_text(document))
+
+
+@main.command(epilog=ROBOT_EXAMPLES, short_help="Emulate the air-bearing robot at the other end of the link.")
+@click.option("--listen", metavar="ENDPOINT", multiple=True, help="Listen there: tcp/HOST:PORT or tls/HOST:PORT.")
+@click.option("--connect", metavar="ENDPOINT", multiple=True, help="Connect to this router or console.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all noise and faults.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port of the faults' REST.  [default: free]")
+@click.option("--configuration", metavar="NAME", default="testbed", show_default=True, help="Robot and target.")
+@_configured
+@click.option("--imperfection", "imperfect", metavar="NAME=VALUE", multiple=True, help="Of sensors or table.")
+@click.option("--fault", "faults", metavar="NAME=VALUE[@S]", multiple=True, help="What goes wrong, and when.")
+@click.option("--deadline", type=float, default=0.1, show_default=True, help="Of heartbeat and commands [s].")
+@click.option("--clock-offset", type=float, default=0.0, help="How far its clock is ahead [s].  [default: 0]")
+@click.option("--users", type=click.Path(path_type=Path), help="Who may connect: a file of lines user:password.")
+@click.option("--user", help="Name by which it connects to a router.")
+@click.option("--password-file", type=click.Path(path_type=Path), help="File of that user's password.")
+@click.option("--tls-ca", type=click.Path(path_type=Path), help="Authorities that the other end is checked by.")
+@click.option("--tls-certificate", type=click.Path(path_type=Path), help="Certificate of this end.")
+@click.option("--tls-key", type=click.Path(path_type=Path), help="Its private key.")
+def robot(
+    *,
+    listen: tuple[str, ...],
+    connect: tuple[str, ...],
+    seed: int,
+    port: int,
+    configuration: str,
+    file: Path | None,
+    settings: tuple[str, ...],
+    imperfect: tuple[str, ...],
+    faults: tuple[str, ...],
+    deadline: float,
+    clock_offset: float,
+    users: Path | None,
+    user: str | None,
+    password_file: Path | None,
+    tls_ca: Path | None,
+    tls_certificate: Path | None,
+    tls_key: Path | None,
+) -> None:
+    """Emulate the air-bearing testbed in real time, with its noise, delays, drag and faults."""
+    if not listen and not connect:
+        raise ConfigError("--listen or --connect is needed", tip="for example --listen tcp/127.0.0.1:7447")
+    from becalm import robot as emulated  # noqa: PLC0415 - the simulation takes a second to load
+
+    transport = {
+        "listen": listen,
+        "connect": connect,
+        "users_file": users,
+        "user": user,
+        "password_file": password_file,
+        "tls_ca": tls_ca,
+        "tls_certificate": tls_certificate,
+        "tls_key": tls_key,
+    }
+    chosen = emulated.robot_settings(
+        transport=transport,
+        config=revised(named_configuration(configuration), _changes(file, settings)),
+        seed=seed,
+        deadline=deadline,
+        clock_offset=clock_offset,
+        imperfections=emulated.imperfections(imperfect),
+    )
+    emulated.run_robot(chosen, port, tuple(map(emulated.parse_fault, faults)))

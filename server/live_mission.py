@@ -196,7 +196,7 @@ class LiveMission:
             self.run.keep(rows)
             self._keep(rows)
         if self._mission.phase is Phase.FAULTED:
-            self.fail(PlantDiverged(f"the simulated state can no longer be trusted after {self._time:.3f} s"))
+            self.fail(self._mission.fault or PlantDiverged("the plant can no longer be trusted"))
             return len(rows)
         self._take_events()
         self._note_stillness()

@@ -7,7 +7,8 @@ CaptureError
 ├── TableUnusable      the file of a study's results: another study's, in use, not writable (sim.study.table)
 ├── WorkersUnavailable no worker process of a study starts (sim.study.executors)
 └── PlantError         the plant can no longer be trusted (phase `faulted`)
-    └── PlantDiverged  a state that is not finite, or momentum that jumped
+    ├── PlantDiverged  a state that is not finite, or momentum that jumped
+    └── LinkLost       the robot at the other end of the link is silent, late, or tells what cannot be
 """
 
 
@@ -37,3 +38,7 @@ class PlantError(CaptureError):
 
 class PlantDiverged(PlantError):
     """The plant's state is not finite, or its momentum jumped."""
+
+
+class LinkLost(PlantError):
+    """The robot at the other end of the link is silent, late, or tells what cannot be."""

@@ -20,7 +20,7 @@ HAND_FRAMES = tuple(f"{arm}_hand" for arm in ARMS)
 
 CONTROL_RATE = 200.0
 """Of joint states, wrenches and commands [Hz]."""
-MOTION_CAPTURE_RATE = 120.0
+MOTION_CAPTURE_RATE = 100.0
 """Of poses and twists [Hz]."""
 MODE_RATE = 20.0
 """Of the robot's mode, beside which it tells every change at once [Hz]."""

@@ -140,15 +140,9 @@ def locked_event(time: float, period: float) -> Event:
     return _event_at(time, period, "locked", "info", "The closing is done: the arms are locked, the cage is verified")
 
 
-def fault_event(time: float, period: float) -> Event:
+def fault_event(reason: str, time: float, period: float) -> Event:
     """The event of a plant whose state can no longer be trusted."""
-    return _event_at(
-        time,
-        period,
-        "fault",
-        "error",
-        "The plant's state is not finite or its momentum jumped",
-    )
+    return _event_at(time, period, "fault", "error", reason)
 
 
 def verdict_event(outcome: Outcome, time: float, period: float) -> Event:

@@ -42,9 +42,9 @@ from sim.control.controller import begin_sequence, control, hand_twists
 from sim.control.memory import MEMORY, NEVER, PlanKind
 from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
 from sim.control.trajectory import BOTH_ARMS
-from sim.errors import MissionRefused, PlantDiverged
-from sim.model.robot import Chain, RobotModel, chain
-from sim.plant.plant import PLANT_STATE
+from sim.errors import MissionRefused, PlantDiverged, PlantError
+from sim.model.robot import Chain, RobotModel, chain, robot_model
+from sim.plant.plant import PLANT_STATE, Plant
 from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
 from sim.plant.sensing import Seen, is_noisy, sense
 from sim.record import Record, record_of
@@ -172,18 +172,24 @@ def prepare() -> None:
 
 
 class Mission:
-    """One mission on the simulated plant."""
+    """One mission, on the simulated plant or on another."""
 
-    def __init__(self, config: MissionConfig) -> None:
-        """Lay out robot and target as configured, at rest but for the target's motion.
+    def __init__(self, config: MissionConfig, plant: Plant | None = None) -> None:
+        """Begin where that plant stands.
+
+        Without one, a simulated plant is laid out as configured, at rest but for the target's motion.
 
         Raises:
             ConfigError: the target overlaps the robot.
 
         """
-        require_clear_start(config)
+        if plant is None:
+            require_clear_start(config)
         self.config = config
-        self._plant = PymunkPlant(config)
+        self._plant = PymunkPlant(config) if plant is None else plant
+        self._robot = robot_model(config.robot)
+        self._parameters: Record = record_of(config)
+        self._fault: PlantError | None = None
         self._transition = admittance_transition(config.control.impedance, config.control.period)
         self._memory: Record = np.zeros(1, MEMORY)[0]
         self._memory["last_contact"], self._memory["slow_since"] = NEVER, math.inf
@@ -206,6 +212,11 @@ class Mission:
     def activity(self) -> Activity:
         """What the hands are doing."""
         return Activity(int(self._memory["activity"]))
+
+    @property
+    def fault(self) -> PlantError | None:
+        """Why the plant can no longer be trusted; None while it can."""
+        return self._fault
 
     @property
     def time(self) -> float:
@@ -257,7 +268,7 @@ class Mission:
                 tip="reset the mission; the new value holds from then on",
             )
         self.config = config
-        self._plant.parameters = record_of(config)
+        self._parameters = record_of(config)
         self._transition = admittance_transition(config.control.impedance, config.control.period)
 
     def advance(self, ticks: int) -> Ticks:
@@ -267,25 +278,61 @@ class Mission:
             The ticks flown, an array of `TICK`.
 
         Raises:
-            PlantDiverged: the last call, which gave its ticks, ended in a state not to be trusted; phase `faulted`.
+            PlantError: the last call, which gave its ticks, ended in a state not to be trusted; phase `faulted`.
 
         """
-        if self.phase is Phase.FAULTED:
-            raise PlantDiverged(
+        if self._fault is not None:
+            raise self._fault
+        rows = np.zeros(ticks, TICK)
+        plant = self._plant
+        flown = self._fly(plant, rows) if isinstance(plant, PymunkPlant) else self._exchange(plant, rows)
+        rows = rows[:flown]
+        self._tell(rows)
+        if self._fault is not None:
+            self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
+            self._events.append(fault_event(str(self._fault), self.time, self.config.control.period))
+        return rows
+
+    def _fly(self, plant: PymunkPlant, rows: Ticks) -> int:
+        """How many of the rows were flown in the simulation."""
+        flown, finite = fly(
+            plant.handle,
+            self._parameters,
+            self._transition,
+            self._memory,
+            self._notes,
+            plant.state,
+            self._seen,
+            rows,
+        )
+        if not finite:
+            self._fault = PlantDiverged(
                 f"the simulated state is not finite, or its momentum jumped, at {self.time:.3f} s",
                 tip="reset the mission",
             )
-        rows = np.zeros(ticks, TICK)
-        plant = self._plant
-        flown, finite = fly(
-            plant.handle, plant.parameters, self._transition, self._memory, self._notes, plant.state, self._seen, rows
-        )
-        rows = rows[:flown]
-        self._tell(rows)
-        if not finite:
-            self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
-            self._events.append(fault_event(self.time, self.config.control.period))
-        return rows
+        return flown
+
+    def _exchange(self, plant: Plant, rows: Ticks) -> int:
+        """How many of the rows were flown with a plant that is asked tick by tick."""
+        robot, memory = self._robot, self._memory
+        for place in range(len(rows)):
+            over = _decide(
+                robot,
+                self._parameters,
+                self._transition,
+                memory,
+                self._notes,
+                plant.state,
+                self._seen,
+                rows[place],
+            )
+            try:
+                plant.exchange(memory["commanded_joint_rate"])
+            except PlantError as error:
+                self._fault = error
+            if over or self._fault is not None:
+                return place + 1
+        return len(rows)
 
     def recall(self, row: Any) -> None:
         """See a recorded tick, one element of `TICK`, in place of the plant; such a mission follows, it never flies."""
@@ -294,14 +341,13 @@ class Mission:
     def follow(self, recorded: Ticks) -> Ticks:
         """What is judged and commanded today in recorded states, an array of `TICK`; the same ticks again."""
         rows = np.zeros(len(recorded), TICK)
-        plant = self._plant
         follow(
-            plant.handle.robot,
-            plant.parameters,
+            self._robot,
+            self._parameters,
             self._transition,
             self._memory,
             self._notes,
-            plant.state,
+            self._plant.state,
             self._seen,
             recorded,
             rows,
@@ -320,7 +366,7 @@ class Mission:
     def cage(self) -> Cage:
         """Whether the hands, if they stayed as they are, cage the target."""
         state = self._plant.state
-        links = chain(self._plant.handle.robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
+        links = chain(self._robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
         return cage(self.config, links.hand_pose, state["target_pose"])
 
     def snapshot(self) -> Snapshot:
@@ -354,9 +400,9 @@ class Mission:
     def _start(self) -> Ticks:
         """The state before the first tick, as one row of `TICK`; nothing is flown."""
         rows = np.zeros(1, TICK)
-        state, robot = self._plant.state, self._plant.handle.robot
+        state, robot = self._plant.state, self._robot
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        judge(self._notes, self._memory, self._plant.parameters, robot, state, links)
+        judge(self._notes, self._memory, self._parameters, robot, state, links)
         _write(rows[0], self._memory, self._notes, state, links)
         return rows
 

@@ -36,6 +36,11 @@ PLANT_STATE = np.dtype(
 class Plant(Protocol):
     """Anything that can be flown."""
 
+    @property
+    def state(self) -> Record:
+        """The latest state, one element of `PLANT_STATE`; always the same element, changed by `exchange`."""
+        ...
+
     def exchange(self, joint_rate: FloatArray) -> Record:
         """Apply joint rates [rad/s], shape (2, 3), for one control period.
 

@@ -97,15 +97,30 @@ class PlantHandle(NamedTuple):
     """Forces and torques of this step's contacts on the bodies, shape (10, 3)."""
 
 
+class AirTable(NamedTuple):
+    """What an air-bearing testbed adds to free floating; nothing, unless given."""
+
+    drag: float = 0.0
+    """Part of every body's velocity that is lost in a second, for small ones [1/s]."""
+    slope_x: float = 0.0
+    """Acceleration that the table's tilt gives every body, world axes [m/s2]."""
+    slope_y: float = 0.0
+    """Likewise."""
+
+
 class PymunkPlant:
     """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
 
-    def __init__(self, config: MissionConfig) -> None:
+    def __init__(self, config: MissionConfig, table: AirTable | None = None) -> None:
+        """Robot and target as configured, floating free or on an air table.
+
+        A table takes momentum: `simulation.momentum_jump_limit` must leave room for what it takes in one period.
+        """
         self._config = config
         self.parameters: Record = record_of(config)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         robot, target = robot_model(config.robot), target_model(config.target)
-        self._space = _space(config)
+        self._space = _space(config, table or AirTable())
         self._bodies = _bodies(config, robot)
         self._motors = _joints(config, robot, self._bodies)
         solid = np.zeros(2, np.int64)
@@ -155,12 +170,13 @@ class PymunkPlant:
             self._space.on_collision(_TARGET_TYPE, kind, begin=begin, separate=separate)
 
 
-def _space(config: MissionConfig) -> pymunk.Space:
+def _space(config: MissionConfig, table: AirTable) -> pymunk.Space:
     simulation = config.simulation
     space = pymunk.Space()
     space.iterations = simulation.solver_iterations
     space.collision_slop = simulation.collision_slop
-    space.damping = 1.0
+    space.damping = math.exp(-table.drag)  # pymunk's is the part of a velocity that is left after a second
+    space.gravity = table.slope_x, table.slope_y
     return space
 
 

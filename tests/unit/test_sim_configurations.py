@@ -99,7 +99,9 @@ def test_published_figures_differs_in_the_impedance_alone():
 
 
 def test_an_unknown_name_is_refused_with_those_there_are():
-    with pytest.raises(ConfigError, match="'gentle' is unknown; there are published, as_printed, published_figures"):
+    with pytest.raises(
+        ConfigError, match="'gentle' is unknown; there are published, as_printed, published_figures, testbed"
+    ):
         named_configuration("gentle")
 
 

@@ -1,0 +1,165 @@
+"""What the robot's end lets through: pure decisions about sessions, commands, heartbeats and STOP.
+
+A robot follows one session at a time. What is old, out of order, beyond the limits or from another session is refused
+with the reason. A heartbeat or command that is late ends the session: joint rates ramp to zero and stay there until a
+new session is opened, so that nothing which waited in a queue while the link was broken is executed after it.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter, deque
+from typing import NamedTuple
+
+import numpy as np
+
+from server.link.contract import DEADLINE, JOINT_NAMES, RobotMode
+from server.link.wire import Call, JointCommand
+from sim.compiled import FloatArray
+
+RAMP_TIME = 0.05
+"""From full rates to zero, when the session is lost [s]."""
+AHEAD = 5_000_000
+"""How far a stamp may lie in the receiver's future: no state has that one yet [ns]."""
+AGES_KEPT = 400
+"""Command ages that percentiles are told of: two seconds."""
+
+log = logging.getLogger(__name__)
+
+
+class Limits(NamedTuple):
+    """What the robot itself allows."""
+
+    joint_rate: float = 10.0
+    """Largest joint rate that is followed [rad/s]."""
+    deadline: float = DEADLINE
+    """How old a heartbeat or command may be [s]."""
+
+
+class Verdict(NamedTuple):
+    """The answer to a request."""
+
+    granted: bool
+    reason: str = ""
+
+
+class Gate:
+    """The robot's guard. Times are whole nanoseconds of the robot's clock."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.mode = RobotMode.WAITING
+        self.why = "no session yet"
+        self.session = ""
+        self.accepted = 0
+        self.refused = 0
+        self.last_refusal = ""
+        self._deadline = round(1e9 * limits.deadline)
+        self._told: Counter[tuple[str, str]] = Counter()
+        self._ages: deque[float] = deque(maxlen=AGES_KEPT)
+        self._wanted = np.zeros((2, 3))
+        self._given = np.zeros((2, 3))
+        self._heard = 0
+        self._heartbeat = 0
+        self._commanded = 0
+        self._answered = 0
+
+    def open(self, call: Call, now: int) -> Verdict:
+        """Give the robot to a session, unless another console holds it and is alive."""
+        holder, _, number = call.session.rpartition(".")
+        own, _, last = self.session.rpartition(".")
+        if not holder or not number.isdigit():
+            return self._refuse(call.session, "a session is named CONSOLE.NUMBER")
+        if holder == own and int(number) <= int(last):
+            return self._refuse(call.session, f"session {self.session} is newer")
+        if holder != own and self.mode is RobotMode.FOLLOWING:
+            return self._refuse(call.session, f"the robot is held by {self.session}")
+        self.session, self.mode, self.why = call.session, RobotMode.FOLLOWING, ""
+        self._heard, self._heartbeat, self._commanded = now, 0, now
+        self._wanted[:] = 0.0
+        log.info("session %s holds the robot", call.session)
+        return Verdict(True)
+
+    def stop(self, call: Call) -> Verdict:
+        """Joint rates zero; anyone may."""
+        self.mode, self.why = RobotMode.STOPPED, f"STOP from {call.session or 'unknown'}"
+        self._wanted[:] = self._given[:] = 0.0
+        log.warning("%s", self.why)
+        return Verdict(True)
+
+    def heartbeat(self, call: Call, now: int) -> None:
+        """Note that the holder of the session is alive."""
+        if call.session == self.session and call.stamp > self._heartbeat:
+            self._heartbeat, self._heard = call.stamp, now
+
+    def command(self, command: JointCommand, now: int) -> Verdict:
+        """Follow these joint rates from now on, or refuse them."""
+        reason = self._fault_of(command, now)
+        if reason:
+            return self._refuse(command.session, reason)
+        self._answered, self._commanded = command.stamp, now
+        self._wanted[:] = command.rate
+        self.accepted += 1
+        self._ages.append(1e-9 * (now - command.stamp))
+        return Verdict(True)
+
+    def rates(self, now: int, period: float) -> FloatArray:
+        """Joint rates for the period [s] that begins now, shape (2, 3) [rad/s]."""
+        self.check(now)
+        if self.mode is RobotMode.FOLLOWING:
+            self._given[:] = self._wanted
+        elif self._given.any():
+            step = self.limits.joint_rate * period / RAMP_TIME
+            self._given -= np.clip(self._given, -step, step)
+        return self._given
+
+    def check(self, now: int) -> None:
+        """Let the session go if its heartbeat or its commands are late."""
+        if self.mode is not RobotMode.FOLLOWING:
+            return
+        for what, since in (("heartbeat", self._heard), ("commands", self._commanded)):
+            if now - since > self._deadline:
+                self._hold(f"{what} late: none for {1e-6 * (now - since):.0f} ms")
+                return
+
+    @property
+    def ages(self) -> tuple[float, float] | None:
+        """Median and 99 % quantile of the ages of the last commands when they were taken [s]."""
+        if not self._ages:
+            return None
+        median, most = np.quantile(np.array(self._ages), (0.5, 0.99)).tolist()
+        return median, most
+
+    def _hold(self, why: str) -> None:
+        self.mode, self.why = RobotMode.HOLDING, why
+        self._wanted[:] = 0.0
+        log.warning("session %s: %s; joint rates go to zero", self.session, why)
+
+    def _fault_of(self, command: JointCommand, now: int) -> str:
+        """Why a command cannot be followed; empty if it can."""
+        age = now - command.stamp
+        if command.session != self.session or not self.session:
+            return f"another session holds the robot ({self.session or 'none'})"
+        if self.mode is not RobotMode.FOLLOWING:
+            return f"the robot is {self.mode}: {self.why}"
+        if age > self._deadline:
+            return f"old: it answers a state of {1e-6 * age:.0f} ms ago, at most {1e3 * self.limits.deadline:.0f} ms"
+        if age < -AHEAD:
+            return f"it answers a state of {-1e-6 * age:.0f} ms in the future"
+        if command.stamp <= self._answered:
+            return "out of order: this state or a later one was answered already"
+        return self._beyond(command.rate)
+
+    def _beyond(self, rate: FloatArray) -> str:
+        fastest = int(np.abs(rate).argmax())
+        value, limit = float(rate.flat[fastest]), self.limits.joint_rate
+        return f"{JOINT_NAMES[fastest]} = {value:.3g} rad/s: the limit is {limit:g} rad/s" if abs(value) > limit else ""
+
+    def _refuse(self, session: str, reason: str) -> Verdict:
+        self.refused += 1
+        self.last_refusal = f"{session or 'unknown'}: {reason}"
+        kind = (session, reason.partition(":")[0])
+        self._told[kind] += 1
+        if self._told[kind] == 1:
+            log.warning("refused from %s: %s", session or "unknown", reason)
+        return Verdict(False, reason)

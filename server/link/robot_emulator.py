@@ -1,0 +1,348 @@
+"""An emulator of the air-bearing testbed at the robot's end of the link: the simulated plant in real time.
+
+One thread does everything with the plant and the gate, 200 times a second: take what came, step, measure, tell. zenoh's
+threads only put messages into its inbox. Stamps are those of the schedule, so that a late wake-up of this thread does
+not show in them, as it would not in a robot whose sensors are read by a clock.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.link import contract, wire
+from server.link.clock import Clock
+from server.link.contract import JOINT_NAMES, Channel, RobotMode
+from server.link.faults import Faults, Outbox, Sensor
+from server.link.gate import Gate, Limits, Verdict
+from server.link.imperfections import Imperfections, Sensors
+from server.link.session import LinkSession, Transport
+from sim.compiled import FloatArray
+from sim.config import MissionConfig
+from sim.configurations import revised
+from sim.model.robot import chain, robot_model
+from sim.plant.pymunk_plant import AirTable, PymunkPlant
+
+GRAVITY = 9.81
+INBOX_CAPACITY = 1000
+"""Messages that wait for the thread; the oldest go first."""
+GIVE_UP = 0.25
+"""Lateness beyond which the schedule starts anew [s]."""
+
+log = logging.getLogger(__name__)
+
+
+class RobotSettings(BaseModel):
+    """An emulated robot."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    transport: Transport
+    config: MissionConfig
+    seed: int = Field(0, ge=0, description="Of every random number")
+    deadline: float = Field(contract.DEADLINE, gt=0.01, le=10, description="Of heartbeat and commands [s]")
+    clock_offset: float = Field(0.0, ge=-1e6, le=1e6, description="How far its clock is ahead of the machine's [s]")
+    imperfections: Imperfections = Imperfections()
+
+
+class _Message(NamedTuple):
+    channel: Channel
+    payload: bytes
+    arrived: int
+
+
+class RobotStatus(BaseModel):
+    """What the emulator knows of itself, and no robot could tell."""
+
+    mode: RobotMode
+    why: str
+    session: str
+    time: float = Field(description="Simulated time [s]")
+    boots: int = Field(description="1 at first, one more after each restart")
+    seed: int
+    commands: int = Field(description="Followed since the boot")
+    refused: int = Field(description="Refused since the boot")
+    last_refusal: str
+    lateness: float = Field(description="Worst of a cycle in the last second [s]")
+    joint_rate: list[list[float]] = Field(description="True joint rates [rad/s]")
+    base_pose: list[float]
+    target_pose: list[float]
+    target_twist: list[float]
+    faults: Faults
+
+
+class RobotEmulator:
+    """An emulated robot from its start to its end, restarts included."""
+
+    def __init__(self, settings: RobotSettings) -> None:
+        self.settings = settings
+        self._faults = Faults()
+        self._clock = Clock(settings.clock_offset)
+        self._ended = threading.Event()
+        self._restart: tuple[float, int] | None = None
+        self._boots = 0
+        self._seed = settings.seed
+        self._robot: _Robot | None = None
+        self.ready = threading.Event()
+
+    def run(self) -> None:
+        """Be the robot, in this thread, until `shutdown`.
+
+        Raises:
+            ConfigError: the link cannot be opened.
+
+        """
+        while not self._ended.is_set():
+            self._boots += 1
+            robot = self._robot = _Robot(self.settings, self._clock, self._seed)
+            robot.outbox.faults = self._faults
+            self.ready.set()
+            try:
+                robot.run(self._stays)
+            finally:
+                robot.close()
+            if self._restart is not None:
+                pause, self._seed = self._restart
+                self._restart = None
+                self._ended.wait(pause)
+
+    def shutdown(self) -> None:
+        """End it; for any thread."""
+        self._ended.set()
+
+    def suffer(self, faults: Faults) -> None:
+        """Have these faults from now on."""
+        self._faults = faults
+        if self._robot is not None:
+            self._robot.outbox.faults = faults
+
+    @property
+    def faults(self) -> Faults:
+        """In force."""
+        return self._faults
+
+    def hang(self, duration: float) -> None:
+        """Neither listen nor speak for that long [s]; the plant floats on."""
+        if self._robot is not None:
+            self._robot.hang(duration)
+
+    def restart(self, pause: float, seed: int | None = None) -> None:
+        """Lose everything, and come back after a pause [s] with the plant as at the start."""
+        self._restart = (pause, self._seed if seed is None else seed)
+
+    def status(self) -> RobotStatus | None:
+        """What there is to know; None before the first start."""
+        return self._robot.status(self._boots, self._seed) if self._robot is not None else None
+
+    def _stays(self) -> bool:
+        return not self._ended.is_set() and self._restart is None
+
+
+class _Robot:
+    """One life of the emulated robot."""
+
+    def __init__(self, settings: RobotSettings, clock: Clock, seed: int) -> None:
+        config = settings.config
+        some = settings.imperfections
+        table = AirTable(some.drag, GRAVITY * np.sin(some.tilt_x), GRAVITY * np.sin(some.tilt_y))
+        # The table takes momentum and gives it, and that is no fault of the plant's.
+        self._plant = PymunkPlant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
+        self._model = robot_model(config.robot)
+        self._period = config.control.period
+        self._clock = clock
+        self._seed = seed
+        self._gate = Gate(Limits(config.control.rates.joint_rate_limit, settings.deadline))
+        self._sensors = Sensors(some, seed)
+        self._capture_delay = some.motion_capture_delay
+        self._capture_every = max(1, round(1.0 / (contract.MOTION_CAPTURE_RATE * self._period)))
+        self._mode_every = max(1, round(1.0 / (contract.MODE_RATE * self._period)))
+        self._inbox: deque[_Message] = deque(maxlen=INBOX_CAPACITY)
+        self._hung_until = 0.0
+        self._frozen: dict[str, Any] = {}
+        self._shown: tuple[Any, ...] = ()
+        self._cycle = 0
+        self._late: deque[float] = deque(maxlen=round(1.0 / self._period))
+        self._session = LinkSession(settings.transport)
+        self.outbox = Outbox(self._session.publish, seed)
+        for channel in (contract.JOINT_COMMAND, contract.STOP, contract.OPEN, contract.TARE):
+            self._session.subscribe(channel, self._taker(channel))
+        self._session.subscribe(contract.HEARTBEAT, self._take_heartbeat)
+
+    def run(self, stays: Callable[[], bool]) -> None:
+        """Cycle at the control period as long as `stays` says so."""
+        due = time.monotonic()
+        while stays():
+            due += self._period
+            now = time.monotonic()
+            if now > due + GIVE_UP:
+                log.warning("the emulator was held up for %.0f ms", 1e3 * (now - due))
+                due = now
+            elif due > now:
+                time.sleep(due - now)
+            self._late.append(time.monotonic() - due)
+            self._turn(self._clock.at(due), time.monotonic())
+
+    def close(self) -> None:
+        """Leave the link."""
+        self.outbox.close()
+        self._session.close()
+
+    def hang(self, duration: float) -> None:
+        """Neither listen nor speak for that long [s]."""
+        self._hung_until = time.monotonic() + duration
+
+    def status(self, boots: int, seed: int) -> RobotStatus:
+        """What the emulator knows of itself; for any thread."""
+        gate, state = self._gate, self._plant.state
+        return RobotStatus(
+            mode=gate.mode,
+            why=gate.why,
+            session=gate.session,
+            time=float(state["time"]),
+            boots=boots,
+            seed=seed,
+            commands=gate.accepted,
+            refused=gate.refused,
+            last_refusal=gate.last_refusal,
+            lateness=max(self._late, default=0.0),
+            joint_rate=state["joint_rate"].tolist(),
+            base_pose=state["base_pose"].tolist(),
+            target_pose=state["target_pose"].tolist(),
+            target_twist=state["target_twist"].tolist(),
+            faults=self.outbox.faults,
+        )
+
+    def _turn(self, stamp: int, monotonic: float) -> None:
+        """One control period, that begins at `stamp`."""
+        hung = monotonic < self._hung_until
+        self._gate.check(self._clock.now())  # before what waited: it may be too late for it
+        if not hung:
+            self._take_all()
+        self._plant.exchange(self._driven(self._gate.rates(self._clock.now(), self._period)))
+        self._cycle += 1
+        if not hung:
+            self._measure(stamp)
+            self._tell_mode(stamp)
+
+    def _driven(self, rates: FloatArray) -> FloatArray:
+        """The joint rates that reach the servos."""
+        stuck = self.outbox.faults.joint_stuck
+        if stuck is None:
+            return rates
+        driven = rates.copy()
+        driven.flat[JOINT_NAMES.index(stuck)] = 0.0
+        return driven
+
+    def _taker(self, channel: Channel) -> Callable[[bytes], None]:
+        return lambda payload: self._inbox.append(_Message(channel, payload, self._clock.now()))
+
+    def _take_heartbeat(self, payload: bytes) -> None:
+        """Send a heartbeat back as soon as it comes, so that its way can be timed."""
+        arrived = self._clock.now()
+        self._inbox.append(_Message(contract.HEARTBEAT, payload, arrived))
+        if time.monotonic() >= self._hung_until:
+            call = wire.decode_call(payload)
+            echo = wire.Echo(arrived, call.stamp, call.session)
+            self.outbox.send(contract.HEARTBEAT_ECHO, wire.encode_echo(echo))
+
+    def _take_all(self) -> None:
+        """Obey what came; a STOP before everything else."""
+        messages = [self._inbox.popleft() for _ in range(len(self._inbox))]
+        for message in sorted(messages, key=lambda each: each.channel is not contract.STOP):
+            try:
+                self._obey(message)
+            except wire.WireError as error:
+                log.warning("%s: %s", message.channel.key, error)
+
+    def _obey(self, message: _Message) -> None:
+        if message.channel is contract.JOINT_COMMAND:
+            self._gate.command(wire.decode_command(message.payload), self._clock.now())
+            return
+        call = wire.decode_call(message.payload)
+        if message.channel is contract.HEARTBEAT:
+            self._gate.heartbeat(call, message.arrived)
+        elif message.channel is contract.STOP:
+            self._acknowledge(message.channel, call, self._gate.stop(call))
+        elif message.channel is contract.OPEN:
+            self._acknowledge(message.channel, call, self._gate.open(call, self._clock.now()))
+        else:
+            self._acknowledge(message.channel, call, self._tare(call))
+
+    def _tare(self, call: wire.Call) -> Verdict:
+        if call.session != self._gate.session:
+            return Verdict(False, f"another session holds the robot ({self._gate.session or 'none'})")
+        self._sensors.tare()
+        return Verdict(self._sensors.tared, "" if self._sensors.tared else "no reading yet")
+
+    def _acknowledge(self, channel: Channel, call: wire.Call, verdict: Verdict) -> None:
+        name = channel.key.removeprefix(f"{contract.PREFIX}/")
+        values = {"session": call.session, "stamp": str(call.stamp)}
+        report = wire.Report(self._clock.now(), name, verdict.granted, verdict.reason, values)
+        self.outbox.send(contract.ACKNOWLEDGEMENT, wire.encode_report(report))
+
+    def _measure(self, stamp: int) -> None:
+        state, sensors, send = self._plant.state, self._sensors, self.outbox.send
+        links = chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
+        wrenches = sensors.wrenches(stamp, state, links.hand_pose[:, 2])
+        for arm, wrench in enumerate(wrenches):
+            seen = self._or_frozen("left_wrist" if arm == 0 else "right_wrist", wrench)
+            send(contract.WRENCHES[arm], wire.encode_wrench(seen._replace(stamp=stamp)))
+        if self._cycle % self._capture_every == 0:
+            self._see_bodies(stamp)
+        # Last: whoever takes a joint state has the wrenches of the same instant already.
+        joints = self._or_frozen("joints", sensors.joints(stamp, state, self._period))
+        send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp)))
+
+    def _see_bodies(self, stamp: int) -> None:
+        state, sensors = self._plant.state, self._sensors
+        bodies: tuple[tuple[Sensor, Channel, Channel], ...] = (
+            ("base", contract.BASE_POSE, contract.BASE_TWIST),
+            ("target", contract.TARGET_POSE, contract.TARGET_TWIST),
+        )
+        for body, pose_channel, twist_channel in bodies:
+            pose = sensors.pose(stamp, state[f"{body}_pose"])
+            twist = sensors.twist(stamp, state[f"{body}_twist"])
+            if pose is None:
+                continue
+            pose, twist = self._or_frozen(body, (pose, twist))
+            self.outbox.send(pose_channel, wire.encode_pose(pose._replace(stamp=stamp)), self._capture_delay)
+            self.outbox.send(twist_channel, wire.encode_twist(twist._replace(stamp=stamp)), self._capture_delay)
+
+    def _or_frozen(self, sensor: Sensor, reading: Any) -> Any:
+        """The reading, or the last one before this sensor froze."""
+        if self.outbox.faults.sensor_freeze == sensor and sensor in self._frozen:
+            return self._frozen[sensor]
+        self._frozen[sensor] = reading
+        return reading
+
+    def _tell_mode(self, stamp: int) -> None:
+        gate = self._gate
+        shown = (gate.mode, gate.session, gate.why, gate.last_refusal)
+        if shown == self._shown and self._cycle % self._mode_every:
+            return
+        self._shown = shown
+        healthy = gate.mode in (RobotMode.WAITING, RobotMode.FOLLOWING)
+        report = wire.Report(stamp, "robot", healthy, gate.mode, self._mode_values())
+        self.outbox.send(contract.MODE, wire.encode_report(report))
+
+    def _mode_values(self) -> Mapping[str, str]:
+        gate = self._gate
+        ages = gate.ages
+        return {
+            "contract": contract.VERSION,
+            "session": gate.session,
+            "why": gate.why,
+            "tared": str(self._sensors.tared).lower(),
+            "commands": str(gate.accepted),
+            "refused": str(gate.refused),
+            "last_refusal": gate.last_refusal,
+            "command_age_p50": "" if ages is None else f"{ages[0]:.6f}",
+            "command_age_p99": "" if ages is None else f"{ages[1]:.6f}",
+        }

@@ -1,0 +1,64 @@
+"""Faults on demand: the REST of the emulated robot, which no real robot has."""
+
+from __future__ import annotations
+
+from fastapi import FastAPI, HTTPException
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.link.faults import Faults
+from server.link.robot_emulator import RobotEmulator, RobotStatus
+
+
+class Hang(BaseModel):
+    """Neither listen nor speak for a while."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    duration: float = Field(gt=0, le=3600, allow_inf_nan=False, description="How long [s]")
+
+
+class Restart(BaseModel):
+    """Lose everything and come back, the plant as at the start."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    pause: float = Field(0.5, ge=0, le=3600, allow_inf_nan=False, description="How long it is away [s]")
+    seed: int | None = Field(None, ge=0, description="Of the random numbers from then on; the present one if left out")
+
+
+def create_robot_app(emulator: RobotEmulator) -> FastAPI:
+    """The REST of that emulator."""
+    app = FastAPI(title="Becalm's emulated robot", description="Only the emulator has it. SI units and radians.")
+
+    @app.get("/status")
+    def status() -> RobotStatus:
+        """What the emulator knows of itself, the true state of the plant included."""
+        known = emulator.status()
+        if known is None:
+            raise HTTPException(503, "the emulator is starting")
+        return known
+
+    @app.get("/faults")
+    def faults() -> Faults:
+        """The faults in force."""
+        return emulator.faults
+
+    @app.put("/faults")
+    def suffer(body: Faults) -> Faults:
+        """Have these faults from now on; what is left out is in order again."""
+        emulator.suffer(body)
+        return body
+
+    @app.post("/hang", status_code=202)
+    def hang(body: Hang) -> Hang:
+        """Neither listen nor speak for a while; the plant floats on."""
+        emulator.hang(body.duration)
+        return body
+
+    @app.post("/restart", status_code=202)
+    def restart(body: Restart) -> Restart:
+        """Lose everything and come back after a pause, the plant as at the start."""
+        emulator.restart(body.pause, body.seed)
+        return body
+
+    return app
