@@ -18,7 +18,7 @@ from server.access.audit import AuditLog
 from server.access.guard import Access, Guard
 from server.access.headers import SecurityHeaders
 from server.access.tokens import TokenStore
-from server.api import PREFIX, config, health, metrics, mission, problem_json, runs, session, studies, telemetry
+from server.api import PREFIX, config, health, link, metrics, mission, problem_json, runs, session, studies, telemetry
 from server.api.bodies import JsonBodies
 from server.api.origin import SameOrigin
 from server.api.services import Services
@@ -26,6 +26,7 @@ from server.cluster import cluster_workers
 from server.console import serve_console
 from server.disk import GIGABYTE, DiskGuard
 from server.feed import Feed
+from server.link.flown import link_of
 from server.loop import MissionLoop
 from server.projector import Projector
 from server.recorder import Recorder
@@ -75,12 +76,24 @@ def create_app(settings: Settings) -> FastAPI:
     store = RunStore(settings.data_dir / "runs")
     recorder = Recorder(store)
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE)
-    loop = MissionLoop(settings.configuration, initial, feed, recorder, disk)
+    robot = link_of(settings, initial)
+    loop = MissionLoop(settings.configuration, initial, feed, recorder, disk, robot)
     studies = StudyStore(settings.data_dir / "studies")
     study_queue = StudyQueue(studies, partial(_study_workers, settings))
     access = _access(settings)
     services = Services(
-        settings, access, feed, loop, recorder, disk, store, RunIndex(store), ScriptedRuns(store), studies, study_queue
+        settings,
+        access,
+        feed,
+        loop,
+        robot,
+        recorder,
+        disk,
+        store,
+        RunIndex(store),
+        ScriptedRuns(store),
+        studies,
+        study_queue,
     )
     projector = Projector(Scene(initial), feed, loop)
 
@@ -140,6 +153,8 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.feed.attach(asyncio.get_running_loop())
         services.disk.look()
         services.recorder.start()
+        if services.link is not None:
+            services.link.start()
         services.loop.start()
         app.state.scene_port = projector.start()
         services.store.recover()
@@ -175,12 +190,14 @@ async def _end(services: Services, projector: Projector) -> None:
 
 def _end_mission(services: Services) -> None:
     services.loop.shutdown()
+    if services.link is not None:
+        services.link.shutdown()
     services.recorder.shutdown()
 
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, session, mission, config, runs, studies, telemetry):
+    for resource in (health, session, mission, config, link, runs, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(metrics.router)

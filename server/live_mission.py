@@ -11,6 +11,7 @@ from typing import Any
 
 from server.fork import Fork
 from server.inbox import Request
+from server.link.zenoh_plant import ZenohPlant
 from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
@@ -22,7 +23,7 @@ from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import named_configuration
 from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
-from sim.errors import MissionRefused, PlantDiverged
+from sim.errors import MissionRefused, PlantDiverged, PlantError
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
 RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
@@ -53,15 +54,17 @@ class LiveMission:
         announce: Callable[[LoggedEvent], None],
         keep: Callable[[TickArray], None],
         fork: Fork | None = None,
+        robot: ZenohPlant | None = None,
     ) -> None:
-        """A mission with that configuration from its start, or the fork's from where it stands.
+        """A mission with that configuration from its start, or the fork's or the robot's from where it stands.
 
         Raises:
             ConfigError: the configuration cannot be.
 
         """
         self.fork = fork
-        self._mission = Mission(config) if fork is None else fork.mission
+        self._robot = robot
+        self._mission = Mission(config, robot) if fork is None else fork.mission
         config = self._mission.config
         self._announce = announce
         self._keep = keep
@@ -149,6 +152,8 @@ class LiveMission:
 
     def stop(self) -> None:
         """Stop at once, in any phase."""
+        if self._robot is not None:
+            self._robot.stop()
         self._mission.stop()
         self._interventions.append(Intervention(tick=self._mission.next_tick, command=Command.STOP))
         self._take_events()
@@ -205,9 +210,10 @@ class LiveMission:
     def fail(self, error: Exception) -> None:
         """The plant can no longer be trusted: the phase is `FAULTED`, and the operator sees why."""
         log.error("the mission failed at %.3f s", self.time, exc_info=error)
-        self._failure = f"{type(error).__name__}: {error}"
+        self._failure = str(error) if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
         self._take_events()
-        self._note(Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=self._failure))
+        if error is not self._mission.fault:  # else the mission has told of it
+            self._note(Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=self._failure))
         self.run.fail(self._failure)
 
     def snapshot(self) -> Snapshot:

@@ -16,6 +16,8 @@ from server.disk import DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
 from server.inbox import Answer, CommandAnswer, Inbox, Request
+from server.link.robot_link import RobotLink
+from server.link.zenoh_plant import ZenohPlant
 from server.live_mission import RESTING_PHASES, LiveMission, display_name
 from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
@@ -25,7 +27,7 @@ from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.control.phases import Command, Phase
-from sim.errors import CaptureError, MissionRefused
+from sim.errors import CaptureError, LinkLost, MissionRefused
 
 PUBLISH_PERIOD = 1 / 60
 """Wall time between two snapshots [s]."""
@@ -35,6 +37,16 @@ WAKE_PERIOD = 0.002
 
 LATE = 0.05
 """Lateness that the operator is told of [s]."""
+
+AWAIT_PERIOD = 0.5
+"""Between two looks for a robot that is not there yet [s]."""
+
+STOP_PATIENCE = 0.1
+"""How long an answer to STOP waits for the robot's acknowledgement [s]."""
+
+_SIMULATED = ("pause", "run", "step", "fork")
+"""What only a simulation can do."""
+_REAL_TIME = "{} is refused: a robot is flown, in real time"
 
 LoopStatus = Literal["preparing", "ok", "faulted"]
 
@@ -62,8 +74,17 @@ class MissionLoop:
     """Flies the live mission in a thread of its own, at the pace that the operator chose."""
 
     def __init__(
-        self, configuration: str, config: MissionConfig, feed: Feed, recorder: Recorder, disk: DiskGuard
+        self,
+        configuration: str,
+        config: MissionConfig,
+        feed: Feed,
+        recorder: Recorder,
+        disk: DiskGuard,
+        link: RobotLink | None = None,
     ) -> None:
+        """A loop that flies the robot at the other end of the link, or without one the simulation."""
+        self._link = link
+        self._awaited = ""
         self._feed = feed
         self._recorder = recorder
         self._disk = disk
@@ -138,9 +159,16 @@ class MissionLoop:
             ServiceBusy: the inbox is full, or there is no mission yet.
 
         """
+        if request.command == "stop":
+            self._stop_robot()
         if self._feed.latest is None or self._closing.is_set():
             raise self.not_ready()
         return self._inbox.put(request)
+
+    def _stop_robot(self) -> None:
+        """STOP does not wait for the mission thread, nor for there to be a mission."""
+        if self._link is not None:
+            self._link.stop()
 
     def not_ready(self) -> ServiceBusy:
         """Why there is no mission to show or to command."""
@@ -148,6 +176,8 @@ class MissionLoop:
             return ServiceBusy(f"the simulation could not be prepared: {self.failure}", tip="restart the service")
         if self._closing.is_set():
             return ServiceBusy("the service is ending", tip="start it again")
+        if self._awaited:
+            return ServiceBusy(f"the mission waits for its robot: {self._awaited}", tip="GET /api/v1/link tells more")
         return ServiceBusy(
             "the simulation is being prepared", tip="its first start compiles for about half a minute; try again"
         )
@@ -155,7 +185,12 @@ class MissionLoop:
     def _live(self) -> None:
         try:
             prepare()
-            self._begin(self._new_mission(self.view.configuration, self.view.config))
+            if self._link is not None:
+                self._link.warm_up(self.view.config)
+            first = self._first_mission()
+            if first is None:
+                return
+            self._begin(first)
         except Exception as error:
             log.exception("the simulation could not be prepared")
             self.failure = f"{type(error).__name__}: {error}"
@@ -164,6 +199,18 @@ class MissionLoop:
             self._sleep()
             self._turn_guarded()
         self._end()
+
+    def _first_mission(self) -> LiveMission | None:
+        """The mission that the service opens with, as soon as its robot is there; None if the service ends before."""
+        while not self._closing.is_set():
+            try:
+                return self._new_mission(self.view.configuration, self.view.config)
+            except (MissionRefused, LinkLost) as error:
+                if self._link is None:
+                    raise
+                self._awaited = str(error)
+                self._closing.wait(AWAIT_PERIOD)
+        return None
 
     def _end(self) -> None:
         self._finish_step("the service ended")
@@ -183,6 +230,9 @@ class MissionLoop:
         self._flying.log_request(Request("stop", who="service"), accepted=True, message="the service ends")
         if self._pace.running:
             self._fly(1, time.monotonic())
+        if self._link is not None:
+            self._link.stop()
+            self._link.await_stop(STOP_PATIENCE)
         self._publish(time.monotonic())
 
     @property
@@ -217,9 +267,18 @@ class MissionLoop:
 
     def _new_mission(self, configuration: str, config: MissionConfig, fork: Fork | None = None) -> LiveMission:
         history = self._feed.history
-        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, fork)
+        robot = None if self._link is None else ZenohPlant(self._link, config)
+        return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, fork, robot)
+
+    @property
+    def _paced_by_robot(self) -> bool:
+        """Whether each tick waits for the robot's next state, which then is the clock."""
+        return self._link is not None and self._flying.phase is not Phase.FAULTED
 
     def _sleep(self) -> None:
+        if self._paced_by_robot:
+            self._inbox.wake.clear()
+            return
         wait = self._pace.wait(time.monotonic(), resting=self._flying.resting, longest=PUBLISH_PERIOD)
         if self._inbox.wake.wait(max(wait, WAKE_PERIOD) if wait else 0.0):
             self._inbox.wake.clear()
@@ -234,7 +293,7 @@ class MissionLoop:
     def _turn(self) -> None:
         granted = [*self._obey_stops(), *self._obey_requests()]
         now = time.monotonic()
-        due = self._pace.due(now, resting=self._flying.resting)
+        due = self._due(now)
         if granted and self._pace.running:
             due = max(due, 1)  # what was granted begins with this tick, and the answer tells it
         self._fly(due, now)
@@ -242,6 +301,13 @@ class MissionLoop:
         if self._answers or now >= self._publish_at:
             self._publish(now)
         self._deliver()  # after publishing: who has the answer finds it in the snapshot
+
+    def _due(self, now: float) -> int:
+        """Ticks to fly now."""
+        if self._paced_by_robot:
+            self._pace.anchor(now)
+            return 1
+        return self._pace.due(now, resting=self._flying.resting)
 
     def _obey_stops(self) -> list[tuple[Request, Answer, str]]:
         stops = self._inbox.stops()
@@ -253,16 +319,26 @@ class MissionLoop:
             self._finish_step("stopped")
         granted = []
         for request, answer in stops:
-            message = f"stopped, phase {self._flying.phase.label}"
+            message = f"stopped, phase {self._flying.phase.label}{self._acknowledgement()}"
             self._flying.log_request(request, accepted=True, message=message)
             granted.append((request, answer, message))
         return granted
+
+    def _acknowledgement(self) -> str:
+        """What the robot said to the STOP that it was sent."""
+        if self._link is None:
+            return ""
+        after = self._link.await_stop(STOP_PATIENCE)
+        if after is None:
+            return "; the robot has NOT acknowledged it yet, and is told again"
+        return f"; acknowledged by the robot after {1e3 * after:.0f} ms"
 
     def _obey_requests(self) -> list[tuple[Request, Answer, str]]:
         granted = []
         for request, answer in self._inbox.requests():
             flying = self._flying
             try:
+                self._require_simulation(request)
                 message = self._DO[request.command](self, request)
             except CaptureError as refusal:
                 flying.log_request(request, accepted=False, message=str(refusal))
@@ -280,6 +356,16 @@ class MissionLoop:
             else:
                 granted.append((request, answer, message))
         return granted
+
+    def _require_simulation(self, request: Request) -> None:
+        """Refuse what only a simulation can do.
+
+        Raises:
+            MissionRefused: a robot is flown, and its clock is nobody's to choose.
+
+        """
+        if self._link is not None and request.command in _SIMULATED:
+            raise MissionRefused(_REAL_TIME.format(request.command), tip="hold or stop brings the robot to rest")
 
     def _grant(self, request: Request) -> str:
         self._flying.grant(Command(request.command))
@@ -391,6 +477,7 @@ class MissionLoop:
 
     def _plant_status(self, now: float) -> PlantStatus:
         return PlantStatus(
+            kind="simulation" if self._link is None else "zenoh",
             running=self._pace.running,
             speed=self._pace.speed,
             lateness=self._pace.lateness(now),
@@ -400,6 +487,9 @@ class MissionLoop:
     def _clock_refusals(self) -> dict[str, str | None]:
         paused = not self._pace.running
         stepping = "a step is under way" if self._pace.steps_left else None
+        if self._link is not None:
+            refused = {command: _REAL_TIME.format(command) for command in _SIMULATED}
+            return {**dict.fromkeys(("pause", "run", "step", "reset", "fork")), **refused}
         return {
             "pause": "the clock is paused already" if paused and not stepping else None,
             "run": None,
@@ -410,6 +500,7 @@ class MissionLoop:
 
     def _note_own_problems(self, now: float) -> None:
         lateness = self._pace.lateness(now)
+        self._note_link(now)
         self._show_problem(
             "late",
             f"ticks came up to {1e3 * lateness:.0f} ms late in the last second" if lateness > LATE else None,
@@ -428,6 +519,27 @@ class MissionLoop:
             "The disk is nearly full",
             "delete runs or studies; no more are queued until there is room",
         )
+
+    def _note_link(self, now: float) -> None:
+        """Trouble of the link, as old as it is now."""
+        if self._link is None:
+            return
+        trouble, age = self._link.trouble(), self._link.age(now)
+        heard = "never heard" if age is None else f"last heard {age:.1f} s ago"
+        unheard = age is None or age > self._link.settings.deadline
+        message = None if trouble is None else f"{trouble}; robot {heard}" if unheard else trouble
+        self._show_problem(
+            "link_now", message, "The robot cannot be flown now", "reset is possible when it can be again"
+        )
+        stop_missing = self._link.stop_sent is not None and self._link.stop_acknowledged_after is None
+        self._show_problem(
+            "stop_unacknowledged",
+            "the robot has not acknowledged STOP; it is told again until it does" if stop_missing else None,
+            "STOP is not acknowledged",
+            "use the robot's own emergency stop",
+        )
+        refusal = self._link.stranger()
+        self._show_problem("stranger", refusal, "The robot refused somebody else", "see who else is on the network")
 
     def _show_problem(self, key: str, message: str | None, title: str, tip: str) -> None:
         if message is None:

@@ -76,6 +76,7 @@ _TIPS = {
     "control.rates.singularity_handling to damped_least_squares and reset",
     "verdict": "the log of the run tells how it came to this; reset for the next try",
     "fault": "reset starts a new mission; the run keeps what happened until now",
+    "link": "the robot was sent a STOP; mend the robot or its network, then reset: nothing resumes by itself",
 }
 
 _TITLES = {
@@ -85,6 +86,7 @@ _TITLES = {
     "manipulability": "Manipulability low",
     "verdict": "Not caged",
     "fault": "The plant failed",
+    "link": "The robot link is lost",
 }
 
 

@@ -13,7 +13,7 @@ from sim.capture.snapshot import Published, Snapshot
 class PlantStatus(Published):
     """The plant and its clock."""
 
-    kind: Literal["simulation"] = "simulation"
+    kind: Literal["simulation", "zenoh"] = "simulation"
     running: bool = Field(description="False while the clock is paused")
     speed: float = Field(description="Multiple of real time; 0 as fast as it goes")
     lateness: float = Field(description="Worst lateness of a tick in the last second [s]")

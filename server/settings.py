@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from platformdirs import user_data_path
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised
@@ -22,6 +22,9 @@ from sim.study.cores import cores
 ENVIRONMENT_PREFIX = "BECALM_"
 SETTINGS_FILE = "BECALM_SETTINGS"
 """The variable that names a settings file."""
+
+ROBOT_CONFIGURATION = "testbed"
+"""What a mission with a robot opens with, unless told otherwise."""
 
 LogLevel = Literal["debug", "info", "warning", "error"]
 
@@ -53,8 +56,23 @@ class Settings(BaseModel):
         ge=0,
         description="Free space below which the operator is warned and no further run or study is queued [GB]",
     )
-    plant: Literal["simulation"] = Field("simulation", description="What is flown")
-    configuration: str = Field("published_figures", description="Named configuration that the live mission opens with")
+    plant: Literal["simulation", "zenoh"] = Field(
+        "simulation", description="What is flown; zenoh: the robot at the other end of --connect or --link-listen"
+    )
+    connect: tuple[str, ...] = Field((), description="Endpoints of the robot or its router, tcp/HOST:PORT, tls/...")
+    link_listen: tuple[str, ...] = Field((), description="Endpoints to listen on for the robot")
+    link_deadline: float = Field(0.1, ge=0.02, le=10, description="Age at which the robot's streams are late [s]")
+    link_detect_freeze: bool = Field(True, description="Whether a sensor that repeats itself counts as frozen")
+    contact_threshold: float = Field(0.12, gt=0, le=100, description="Wrist force that counts as contact [N]")
+    link_user: str | None = Field(None, description="Name by which the robot's end knows the console")
+    link_password_file: Path | None = Field(None, description="File that holds that user's password")
+    link_tls_ca: Path | None = Field(None, description="Authorities that the robot's certificate is checked by")
+    link_tls_certificate: Path | None = Field(None, description="The console's certificate for the link")
+    link_tls_key: Path | None = Field(None, description="Its private key")
+    configuration: str = Field(
+        "published_figures",
+        description="Named configuration that the live mission opens with; with a robot testbed, unless given",
+    )
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
     study_workers: int = Field(
         default_factory=lambda: max(1, cores() - 1),
@@ -78,11 +96,18 @@ class Settings(BaseModel):
     log_format: Literal["text", "json"] = Field("text", description="Of the service's log, on standard error")
     log_level: LogLevel = Field("warning", description="The least severe lines of the service's log")
 
-    @field_validator("allowed_hosts", mode="before")
+    @field_validator("allowed_hosts", "connect", "link_listen", mode="before")
     @classmethod
-    def _listed(cls, hosts: object) -> object:
+    def _listed(cls, names: object) -> object:
         """Names separated by commas are a list."""
-        return tuple(name.strip() for name in hosts.split(",") if name.strip()) if isinstance(hosts, str) else hosts
+        return tuple(name.strip() for name in names.split(",") if name.strip()) if isinstance(names, str) else names
+
+    @model_validator(mode="before")
+    @classmethod
+    def _opens_with_what_the_plant_can_fly(cls, values: Any) -> Any:
+        if isinstance(values, dict) and values.get("plant") == "zenoh" and not values.get("configuration"):
+            return {**values, "configuration": ROBOT_CONFIGURATION}
+        return values
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ, **flags: Any) -> Settings:

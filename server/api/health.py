@@ -32,7 +32,7 @@ class Health(BaseModel):
 
     status: LoopStatus = Field(description="preparing: the simulation is being compiled; faulted: reset it")
     version: str
-    plant: Literal["simulation"]
+    plant: Literal["simulation", "zenoh"]
     tick_age: float | None = Field(description="Since the last tick [s]; null before the first")
     link_age: float | None = Field(description="Since the robot was last heard of [s]; null in simulation")
     phase: str | None = Field(description="Of the mission; null before there is one")
@@ -47,6 +47,6 @@ async def health(services: ServicesDep) -> Health:
         version=becalm_version(),
         plant=services.settings.plant,
         tick_age=services.loop.tick_age,
-        link_age=None,
+        link_age=services.link.age() if services.link is not None else None,
         phase=latest.snapshot.phase if latest else None,
     )

@@ -18,7 +18,7 @@ from starlette.exceptions import HTTPException
 
 from server.problems import ConfirmationNeeded, DiskFull, LoopSilent, ServiceBusy, StudyNotFound, StudyRefused
 from sim.config import PARAMETERS
-from sim.errors import CaptureError, ConfigError, MissionRefused, RunNotFound
+from sim.errors import CaptureError, ConfigError, LinkLost, MissionRefused, RunNotFound
 from sim.study.executors import WorkersUnavailable
 from sim.study.table import TableUnusable
 
@@ -35,6 +35,7 @@ STATUSES: dict[type[CaptureError], int] = {
     WorkersUnavailable: 503,
     ServiceBusy: 503,
     LoopSilent: 504,
+    LinkLost: 504,
     DiskFull: 507,
 }
 

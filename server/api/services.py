@@ -11,6 +11,7 @@ from starlette.requests import HTTPConnection
 from server.access.guard import Access, holder_of
 from server.disk import DiskGuard
 from server.feed import Feed
+from server.link.robot_link import RobotLink
 from server.loop import MissionLoop
 from server.recorder import Recorder
 from server.run_index import RunIndex
@@ -29,6 +30,8 @@ class Services:
     access: Access
     feed: Feed
     loop: MissionLoop
+    link: RobotLink | None
+    """None in simulation."""
     recorder: Recorder
     disk: DiskGuard
     store: RunStore

@@ -92,15 +92,15 @@ class Gate:
         if call.session == self.session and call.stamp > self._heartbeat:
             self._heartbeat, self._heard = call.stamp, now
 
-    def command(self, command: JointCommand, now: int) -> Verdict:
-        """Follow these joint rates from now on, or refuse them."""
+    def command(self, command: JointCommand, now: int, arrived: int | None = None) -> Verdict:
+        """Follow these joint rates from now on, or refuse them; they arrived now, or were looked at later."""
         reason = self._fault_of(command, now)
         if reason:
             return self._refuse(command.session, reason)
         self._answered, self._commanded = command.stamp, now
         self._wanted[:] = command.rate
         self.accepted += 1
-        self._ages.append(1e-9 * (now - command.stamp))
+        self._ages.append(1e-9 * ((now if arrived is None else arrived) - command.stamp))
         return Verdict(True)
 
     def rates(self, now: int, period: float) -> FloatArray:
@@ -124,7 +124,7 @@ class Gate:
 
     @property
     def ages(self) -> tuple[float, float] | None:
-        """Median and 99 % quantile of the ages of the last commands when they were taken [s]."""
+        """Median and 99 % quantile of the ages of the last commands when they arrived [s]."""
         if not self._ages:
             return None
         median, most = np.quantile(np.array(self._ages), (0.5, 0.99)).tolist()

@@ -164,16 +164,24 @@ class _Robot:
         self._capture_every = max(1, round(1.0 / (contract.MOTION_CAPTURE_RATE * self._period)))
         self._mode_every = max(1, round(1.0 / (contract.MODE_RATE * self._period)))
         self._inbox: deque[_Message] = deque(maxlen=INBOX_CAPACITY)
+        self._applied = np.zeros((2, 3))
         self._hung_until = 0.0
         self._frozen: dict[str, Any] = {}
         self._shown: tuple[Any, ...] = ()
         self._cycle = 0
         self._late: deque[float] = deque(maxlen=round(1.0 / self._period))
+        self._warm_up(config, table)
         self._session = LinkSession(settings.transport)
         self.outbox = Outbox(self._session.publish, seed)
         for channel in (contract.JOINT_COMMAND, contract.STOP, contract.OPEN, contract.TARE):
             self._session.subscribe(channel, self._taker(channel))
         self._session.subscribe(contract.HEARTBEAT, self._take_heartbeat)
+
+    def _warm_up(self, config: MissionConfig, table: AirTable) -> None:
+        """Load all compiled code before the schedule begins."""
+        plant = PymunkPlant(config, table)
+        state = plant.exchange(np.zeros((2, 3)))
+        chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
 
     def run(self, stays: Callable[[], bool]) -> None:
         """Cycle at the control period as long as `stays` says so."""
@@ -220,12 +228,13 @@ class _Robot:
         )
 
     def _turn(self, stamp: int, monotonic: float) -> None:
-        """One control period, that begins at `stamp`."""
+        """One control period, that ends at `stamp`: it was flown at the rates that held when it began."""
         hung = monotonic < self._hung_until
         self._gate.check(self._clock.now())  # before what waited: it may be too late for it
         if not hung:
             self._take_all()
-        self._plant.exchange(self._driven(self._gate.rates(self._clock.now(), self._period)))
+        self._plant.exchange(self._driven(self._applied))
+        self._applied = self._gate.rates(self._clock.now(), self._period).copy()
         self._cycle += 1
         if not hung:
             self._measure(stamp)
@@ -263,7 +272,7 @@ class _Robot:
 
     def _obey(self, message: _Message) -> None:
         if message.channel is contract.JOINT_COMMAND:
-            self._gate.command(wire.decode_command(message.payload), self._clock.now())
+            self._gate.command(wire.decode_command(message.payload), self._clock.now(), message.arrived)
             return
         call = wire.decode_call(message.payload)
         if message.channel is contract.HEARTBEAT:

@@ -11,7 +11,7 @@ import json
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import zenoh
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from server.link.contract import Channel, Urgency
 from sim.errors import ConfigError
 
-ENDPOINT = r"^(tcp|tls|quic|udp|unixsock-stream)/[^\s]+$"
+Endpoint = Annotated[str, Field(pattern=r"^(tcp|tls|quic)/\S+:\d+$", description="tcp/HOST:PORT or tls/HOST:PORT")]
 LEASE = 1000
 """After which zenoh gives up a silent transport [ms]."""
 
@@ -38,8 +38,8 @@ class Transport(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    connect: tuple[str, ...] = Field((), description="Endpoints to connect to, tcp/HOST:PORT or tls/HOST:PORT")
-    listen: tuple[str, ...] = Field((), description="Endpoints to listen on")
+    connect: tuple[Endpoint, ...] = Field((), description="Endpoints to connect to, tcp/HOST:PORT or tls/HOST:PORT")
+    listen: tuple[Endpoint, ...] = Field((), description="Endpoints to listen on")
     user: str | None = Field(None, description="Name by which this end is known to the other")
     password_file: Path | None = Field(None, description="File that holds that user's password")
     users_file: Path | None = Field(None, description="Who may connect to this end: lines of user:password")

@@ -11,6 +11,7 @@ from pydantic import Field
 from sim.capture.snapshot import Outcome, OutcomeClass, Published, Touch
 from sim.config import MissionConfig
 from sim.control.phases import Activity, Phase
+from sim.errors import LinkLost, PlantError
 
 Severity = Literal["info", "warning", "error"]
 Ticks = np.ndarray[Any, np.dtype[Any]]
@@ -23,7 +24,7 @@ class Event(Published):
     tick: int
     kind: str = Field(
         description="phase, plan, touch, touch_end, spin_threshold, closed, locked, verdict, solid_contact, "
-        "base_overlap, rate_limit, manipulability, command, config or fault"
+        "base_overlap, rate_limit, manipulability, command, config, fault or link"
     )
     severity: Severity
     message: str
@@ -140,9 +141,9 @@ def locked_event(time: float, period: float) -> Event:
     return _event_at(time, period, "locked", "info", "The closing is done: the arms are locked, the cage is verified")
 
 
-def fault_event(reason: str, time: float, period: float) -> Event:
-    """The event of a plant whose state can no longer be trusted."""
-    return _event_at(time, period, "fault", "error", reason)
+def fault_event(fault: PlantError, time: float, period: float) -> Event:
+    """The event of a plant that can no longer be trusted, or of a link that is lost."""
+    return _event_at(time, period, "link" if isinstance(fault, LinkLost) else "fault", "error", str(fault))
 
 
 def verdict_event(outcome: Outcome, time: float, period: float) -> Event:

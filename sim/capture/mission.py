@@ -290,7 +290,7 @@ class Mission:
         self._tell(rows)
         if self._fault is not None:
             self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
-            self._events.append(fault_event(str(self._fault), self.time, self.config.control.period))
+            self._events.append(fault_event(self._fault, self.time, self.config.control.period))
         return rows
 
     def _fly(self, plant: PymunkPlant, rows: Ticks) -> int:

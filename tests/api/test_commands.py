@@ -243,7 +243,7 @@ async def test_a_plant_that_diverges_is_a_fault_and_its_run_failed(console, monk
         patch.setattr("sim.capture.mission.fly", diverging)
         faulted = await console.until(lambda snapshot: snapshot.phase == "faulted")
     run = await console.until_run(faulted.run_id, "failed")
-    assert "trusted" in run["note"]
+    assert "not finite" in run["note"]
     events = (await console.http.get(f"/runs/{faulted.run_id}/events")).json()
     assert "fault" in [event["kind"] for event in events]
 

@@ -21,12 +21,19 @@ def test_flags_win_over_the_environment(tmp_path):
     assert settings.own_hosts() == ()
 
 
+def test_a_robot_is_flown_with_the_testbed_unless_told_otherwise():
+    settings = Settings.from_environment({"BECALM_PLANT": "zenoh", "BECALM_CONNECT": "tcp/a:1,tls/b:2"})
+    assert settings.configuration == "testbed"
+    assert settings.connect == ("tcp/a:1", "tls/b:2")
+    assert Settings.from_environment({}, plant="zenoh", configuration="as_printed").configuration == "as_printed"
+
+
 def test_allowed_hosts():
     settings = Settings.from_environment({"BECALM_ALLOWED_HOSTS": "lab.example,console.example"})
     assert set(settings.own_hosts()) >= {"lab.example", "console.example", "localhost"}
 
 
-@pytest.mark.parametrize(("name", "value"), [("port", "many"), ("port", "70000"), ("plant", "zenoh")])
+@pytest.mark.parametrize(("name", "value"), [("port", "many"), ("port", "70000"), ("plant", "robot")])
 def test_a_setting_that_cannot_be_is_named(name, value):
     with pytest.raises(ConfigError, match=f"{name} = '{value}'"):
         Settings.from_environment({f"BECALM_{name.upper()}": value})

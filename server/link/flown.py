@@ -1,0 +1,54 @@
+"""The link that a service's settings ask for."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+
+from server.link.robot_link import LinkSettings, RobotLink
+from server.link.zenoh_plant import require_link_period
+from server.settings import Settings
+from sim.config import MissionConfig
+from sim.errors import ConfigError
+
+
+def link_of(settings: Settings, config: MissionConfig) -> RobotLink | None:
+    """The console's end of the link, not yet open; None where the simulation is flown.
+
+    Raises:
+        ConfigError: there is no endpoint, one is not of the right form, or the control period is not the link's.
+
+    """
+    if settings.plant == "simulation":
+        return None
+    if not settings.connect and not settings.link_listen:
+        raise ConfigError(
+            "connect = (): plant = 'zenoh' needs to know where the robot is",
+            tip="for example --connect tcp/127.0.0.1:7447, after becalm robot --listen tcp/127.0.0.1:7447",
+        )
+    require_link_period(config)
+    return RobotLink(_link_settings(settings), config)
+
+
+def _link_settings(settings: Settings) -> LinkSettings:
+    transport = {
+        "connect": settings.connect,
+        "listen": settings.link_listen,
+        "user": settings.link_user,
+        "password_file": settings.link_password_file,
+        "tls_ca": settings.link_tls_ca,
+        "tls_certificate": settings.link_tls_certificate,
+        "tls_key": settings.link_tls_key,
+    }
+    try:
+        return LinkSettings.model_validate(
+            {
+                "transport": transport,
+                "deadline": settings.link_deadline,
+                "contact_threshold": settings.contact_threshold,
+                "detect_freeze": settings.link_detect_freeze,
+            }
+        )
+    except ValidationError as error:
+        each = error.errors(include_url=False)[0]
+        field = str(each["loc"][-1] if isinstance(each["loc"][-1], str) else each["loc"][-2]) if each["loc"] else "link"
+        raise ConfigError(f"{field} = {each['input']!r}: {each['msg']}", tip="docs/link.md shows endpoints") from None

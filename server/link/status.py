@@ -1,0 +1,221 @@
+"""What the console shows of the link; the body of `GET /api/v1/link`."""
+
+from __future__ import annotations
+
+import time
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from server.link import contract
+from server.link.contract import Channel
+from server.link.robot_link import NEEDED, RobotLink, name_of
+from sim.capture.snapshot import Published
+
+QUANTILES_OF = 10.0
+"""Round trips of the last seconds that quantiles are told of [s]."""
+LATENCY_SPAN, LATENCY_STEP = 60.0, 0.2
+"""How far back round trips are told, and how finely [s]."""
+
+
+class StreamStatus(Published):
+    """How one of the robot's streams arrives; rate, jitter and loss over the last two seconds."""
+
+    key: str = Field(description="Key expression", examples=["becalm/joint_states"])
+    name: str = Field(description="For people", examples=["joint states"])
+    message: str = Field(description="ROS 2 type", examples=["sensor_msgs/msg/JointState"])
+    nominal_rate: float = Field(description="By the contract [Hz]")
+    rate: float = Field(description="Arrivals a second [Hz]")
+    age: float | None = Field(description="Since the last arrival [s]; null before the first")
+    jitter: float | None = Field(description="Standard deviation of the delay [s]; null with fewer than two arrivals")
+    loss: float | None = Field(description="Part that did not arrive, 0 to 1, by the stamps; null likewise")
+    received: int = Field(description="Since the service began")
+    lost: int = Field(description="Since the service began, by the stamps")
+    needed: bool = Field(description="Whether the mission holds without it")
+    late: bool = Field(description="Whether its age is beyond the deadline")
+
+
+class Quantiles(Published):
+    """Of a time over the last seconds."""
+
+    p50: float = Field(description="Median [s]")
+    p99: float = Field(description="99 % quantile [s]")
+
+
+class RobotReport(Published):
+    """What the robot last told of itself."""
+
+    age: float = Field(description="Since it did [s]")
+    mode: Literal["waiting", "following", "holding", "stopped"] | None = Field(
+        description="waiting: nobody holds it; following: commands of its session; holding: heartbeat or commands were "
+        "late; stopped: a STOP came; null: a word that the contract does not know"
+    )
+    why: str = Field(description="Of that mode; empty while it follows")
+    contract: str = Field(description="Version that it speaks")
+    session: str = Field(description="Which it follows; empty: none yet")
+    tared: bool = Field(description="Whether its wrist sensors have been tared since it was started")
+    commands: int = Field(description="That it followed")
+    refused: int = Field(description="Commands and requests that it refused, whoever sent them")
+    last_refusal: str = Field(description="Who and why; empty: none yet")
+
+
+class StopStatus(Published):
+    """The last STOP that went to the robot."""
+
+    age: float = Field(description="Since it was sent [s]")
+    acknowledged_after: float | None = Field(description="Until the robot's acknowledgement [s]; null: none yet")
+
+
+class LatencyPoint(Published):
+    """The worst round trip of a fifth of a second."""
+
+    ago: float = Field(description="How long ago [s]")
+    round_trip: float = Field(description="[s]")
+
+
+class LinkStatus(Published):
+    """The link as it is now. In simulation there is none: `plant` says so, and the rest is empty."""
+
+    plant: Literal["simulation", "zenoh"]
+    connected: bool = Field(description="Whether any other end is there, robot or router")
+    endpoints: tuple[str, ...] = Field(description="Where the robot is looked for")
+    contract: str = Field(description="Version that the console speaks")
+    deadline: float | None = Field(description="Age at which a needed stream is late [s]")
+    contact_threshold: float | None = Field(description="Wrist force that counts as contact [N]")
+    session: str = Field(description="The console's own; empty: none yet")
+    holder: str = Field(description="Session that the robot follows; empty: none, or not known")
+    held: bool = Field(description="Whether the robot follows the console's own session")
+    robot: RobotReport | None = Field(description="Null before the robot was heard")
+    streams: tuple[StreamStatus, ...]
+    clock_offset: float | None = Field(description="Robot's clock less console's [s]; null before a round trip")
+    round_trip: Quantiles | None = Field(description="Of a heartbeat to the robot and back")
+    command_age: Quantiles | None = Field(
+        description="From the joint state that a command answers to the command's arrival at the robot"
+    )
+    latency: tuple[LatencyPoint, ...] = Field(description="Of the last minute, the oldest first")
+    stop: StopStatus | None = Field(description="Null: none was sent")
+    problem: str | None = Field(description="Why the robot cannot be flown now; null: it can")
+
+
+NO_LINK = LinkStatus(
+    plant="simulation",
+    connected=False,
+    endpoints=(),
+    contract=contract.VERSION,
+    deadline=None,
+    contact_threshold=None,
+    session="",
+    holder="",
+    held=False,
+    robot=None,
+    streams=(),
+    clock_offset=None,
+    round_trip=None,
+    command_age=None,
+    latency=(),
+    stop=None,
+    problem=None,
+)
+"""In simulation."""
+
+
+def status_of(link: RobotLink) -> LinkStatus:
+    """The link as it is now; for any thread."""
+    now = time.monotonic()
+    settings, robot = link.settings, _robot(link, now)
+    holder = robot.session if robot is not None else ""
+    connected = link.connected
+    return LinkStatus(
+        plant="zenoh",
+        connected=connected,
+        endpoints=(*settings.transport.connect, *settings.transport.listen),
+        contract=contract.VERSION,
+        deadline=settings.deadline,
+        contact_threshold=settings.contact_threshold,
+        session=link.session,
+        holder=holder,
+        held=bool(holder) and holder == link.session and robot is not None and robot.mode == "following",
+        robot=robot,
+        streams=tuple(_stream(link, channel, now) for channel in contract.STREAMS),
+        clock_offset=link.other_clock.offset(now),
+        round_trip=_round_trip(link, now),
+        command_age=_command_age(link),
+        latency=_latency(link, now),
+        stop=_stop(link, now),
+        problem=link.trouble() if connected else "no other end of the link is connected",
+    )
+
+
+def _stream(link: RobotLink, channel: Channel, now: float) -> StreamStatus:
+    stream = link.streams[channel.key]
+    rate, jitter, loss = stream.measured(now)
+    age = stream.age(now)
+    return StreamStatus(
+        key=channel.key,
+        name=name_of(channel),
+        message=channel.message,
+        nominal_rate=stream.rate,
+        rate=rate,
+        age=age,
+        jitter=jitter,
+        loss=loss,
+        received=stream.received,
+        lost=stream.lost,
+        needed=channel in NEEDED,
+        late=age is None or age > link.settings.deadline,
+    )
+
+
+def _robot(link: RobotLink, now: float) -> RobotReport | None:
+    report = link.report
+    if report is None:
+        return None
+    values = report.values
+    return RobotReport(
+        age=now - link.report_at,
+        mode=None if link.mode is None else link.mode.value,
+        why=values.get("why", ""),
+        contract=values.get("contract", ""),
+        session=values.get("session", ""),
+        tared=values.get("tared") == "true",
+        commands=_whole(values.get("commands")),
+        refused=_whole(values.get("refused")),
+        last_refusal=values.get("last_refusal", ""),
+    )
+
+
+def _whole(text: str | None) -> int:
+    return int(text) if text is not None and text.isdigit() else 0
+
+
+def _round_trip(link: RobotLink, now: float) -> Quantiles | None:
+    durations = [trip.duration for trip in link.other_clock.trips(now - QUANTILES_OF)]
+    if not durations:
+        return None
+    p50, p99 = np.quantile(np.array(durations), (0.5, 0.99)).tolist()
+    return Quantiles(p50=p50, p99=p99)
+
+
+def _command_age(link: RobotLink) -> Quantiles | None:
+    values = link.report.values if link.report is not None else {}
+    try:
+        return Quantiles(p50=float(values["command_age_p50"]), p99=float(values["command_age_p99"]))
+    except (KeyError, ValueError):
+        return None  # nothing was commanded yet
+
+
+def _latency(link: RobotLink, now: float) -> tuple[LatencyPoint, ...]:
+    worst: dict[int, float] = {}
+    for trip in link.other_clock.trips(now - LATENCY_SPAN):
+        step = int((now - trip.at) / LATENCY_STEP)
+        worst[step] = max(worst.get(step, 0.0), trip.duration)
+    steps = sorted(worst, reverse=True)
+    return tuple(LatencyPoint(ago=step * LATENCY_STEP, round_trip=worst[step]) for step in steps)
+
+
+def _stop(link: RobotLink, now: float) -> StopStatus | None:
+    stop = link.stop_sent
+    if stop is None:
+        return None
+    return StopStatus(age=now - stop.sent_at, acknowledged_after=link.stop_acknowledged_after)

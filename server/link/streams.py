@@ -1,0 +1,121 @@
+"""How well a stream arrives: rate, age, jitter and loss over the last seconds; and the clock of the other end."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.compiled import FloatArray
+
+WINDOW = 2.0
+"""Rate, jitter and loss are those of the last seconds [s]."""
+KEPT = 1024
+"""Arrivals that are kept at most."""
+BEGUN_ANEW = 1_000_000_000
+"""A stamp that lies this much before the last one is of a clock that has begun anew [ns]."""
+OFFSET_WINDOW = 30.0
+"""The clock's offset is that of the quickest round trip of the last seconds [s]."""
+TRIPS_KEPT = 8192
+
+
+class _Arrival(NamedTuple):
+    stamp: int
+    at: float
+
+
+class Stream:
+    """The arrivals of one stream. Stamps [ns] are the source's; arrivals `time.monotonic` [s]."""
+
+    def __init__(self, rate: float) -> None:
+        """A stream of this nominal rate [Hz]."""
+        self.rate = rate
+        self.received = 0
+        self.lost = 0
+        self._arrivals: deque[_Arrival] = deque(maxlen=KEPT)
+        self._value: FloatArray | None = None
+        self._changed_at = 0.0
+
+    def arrive(self, stamp: int, value: FloatArray, at: float) -> bool:
+        """Note an arrival; whether it is newer than all before, or the source's clock has begun anew."""
+        if self._arrivals and stamp < self._arrivals[-1].stamp - BEGUN_ANEW:
+            self._arrivals.clear()
+        if self._arrivals and stamp <= self._arrivals[-1].stamp:
+            return False
+        if self._arrivals:
+            missing = round(1e-9 * (stamp - self._arrivals[-1].stamp) * self.rate) - 1
+            self.lost += max(0, missing)
+        self.received += 1
+        self._arrivals.append(_Arrival(stamp, at))
+        if self._value is None or not np.array_equal(value, self._value):
+            self._value, self._changed_at = value, at
+        return True
+
+    @property
+    def latest(self) -> int:
+        """Stamp of the last arrival [ns]; 0 before the first."""
+        return self._arrivals[-1].stamp if self._arrivals else 0
+
+    def age(self, now: float) -> float | None:
+        """Since the last arrival [s]; None before the first."""
+        return max(0.0, now - self._arrivals[-1].at) if self._arrivals else None
+
+    def steady(self, now: float, span: float, longest: float) -> bool:
+        """Whether there were arrivals all the last span [s], with no gap as long as `longest` [s]."""
+        recent = [each.at for each in list(self._arrivals) if each.at > now - span]
+        edges = np.array([now - span, *recent, now])
+        return bool((np.diff(edges) < longest).all())
+
+    @property
+    def unchanged_for(self) -> float:
+        """How long the values that arrive have been the same [s]."""
+        return self._arrivals[-1].at - self._changed_at if self._arrivals else 0.0
+
+    def measured(self, now: float) -> tuple[float, float | None, float | None]:
+        """Arrivals a second, standard deviation of their delay [s], and part lost; None where too few came."""
+        recent = [each for each in list(self._arrivals) if each.at > now - WINDOW]
+        if len(recent) < 2:
+            return len(recent) / WINDOW, None, None
+        delays = np.array([each.at - 1e-9 * (each.stamp - recent[0].stamp) for each in recent])
+        expected = round(1e-9 * (recent[-1].stamp - recent[0].stamp) * self.rate) + 1
+        loss = min(1.0, max(0.0, 1.0 - len(recent) / expected))
+        return len(recent) / WINDOW, float(delays.std()), loss
+
+
+class Trip(NamedTuple):
+    """A heartbeat that came back."""
+
+    at: float
+    """`time.monotonic` [s]."""
+    duration: float
+    """There and back [s]."""
+    offset: float
+    """Robot's clock less console's, if both ways took the same time [s]."""
+
+
+class OtherClock:
+    """The offset of the other end's clock and the time of a round trip, from heartbeats that came back."""
+
+    def __init__(self) -> None:
+        self._trips: deque[Trip] = deque(maxlen=TRIPS_KEPT)
+        self._since = 0.0
+
+    def note(self, sent: int, received: int, returned: int, at: float) -> None:
+        """A heartbeat sent and returned by the console's clock and received by the robot's [ns], at `at` [s]."""
+        middle = (sent + returned) // 2
+        self._trips.append(Trip(at, 1e-9 * (returned - sent), 1e-9 * (received - middle)))
+
+    def begin_anew(self, now: float) -> None:
+        """Judge the offset by what comes from now on [s]: the other end may have another clock."""
+        self._since = now
+
+    def offset(self, now: float) -> float | None:
+        """Robot's clock less console's, within half of that round trip [s]; None if nothing came back."""
+        trips = self.trips(self._since)
+        recent = [trip for trip in trips if trip.at > now - OFFSET_WINDOW] or trips[-1:]
+        return min(recent, key=lambda trip: trip.duration).offset if recent else None
+
+    def trips(self, since: float) -> list[Trip]:
+        """Round trips after that instant of `time.monotonic` [s]."""
+        return [trip for trip in list(self._trips) if trip.at > since]

@@ -1,0 +1,152 @@
+"""The robot at the other end of the link as a `Plant`: one mission's session on it.
+
+Each exchange sends the command that answers the present state and waits for the next. Whatever makes the robot
+unfit to be flown raises `LinkLost`, after a STOP to it; the session is not taken up again. A new mission, which an
+operator asks for, opens a new one, so nothing that was sent for this one is executed later.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+
+import numpy as np
+
+from server.link.contract import CONTROL_RATE, JOINT_NAMES, RobotMode
+from server.link.robot_link import RobotLink
+from server.link.wire import JointSample
+from sim.compiled import FloatArray
+from sim.config import MissionConfig
+from sim.errors import ConfigError, LinkLost, MissionRefused
+from sim.plant.plant import PLANT_STATE
+from sim.record import Record
+
+LAG_LIMIT = 0.04
+"""How far a joint may fall behind its commands [rad]."""
+COMMANDS_UNDER_WAY = 4
+"""Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
+LAG_TIME = 0.3
+"""How long falling behind is remembered [s]."""
+GRACE = 0.2
+"""How long the robot may take to say that it follows the new session [s]."""
+
+
+def require_link_period(config: MissionConfig) -> None:
+    """Refuse a control period that is not the link's.
+
+    Raises:
+        ConfigError: it is not.
+
+    """
+    period = 1.0 / CONTROL_RATE
+    if not math.isclose(config.control.period, period, rel_tol=1e-9):
+        raise ConfigError(
+            f"control.period = {config.control.period:g} s: the robot's joint states come every {period:g} s",
+            tip=f"the configuration testbed has it, or set control.period={period:g}",
+        )
+
+
+class ZenohPlant:
+    """One mission's robot. Owned by the mission thread."""
+
+    def __init__(self, link: RobotLink, config: MissionConfig) -> None:
+        """Take the robot, tare its wrists if nobody has since its start, and see where it is.
+
+        Raises:
+            ConfigError: the control period is not the link's.
+            MissionRefused: the robot cannot be flown now; the message says why.
+            LinkLost: it did not answer.
+
+        """
+        require_link_period(config)
+        self._link = link
+        self._state: Record = np.zeros(1, PLANT_STATE)[0]
+        self._lag = np.zeros((2, 3))
+        self._told: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
+        self._stopped = False
+        link.open_session()
+        self._opened_at = time.monotonic()
+        joints = link.await_joints(0, link.settings.deadline)
+        assert joints is not None, "the link is ready only with joint states"
+        self._first = self._last = joints.stamp
+        self._angle = joints.angle
+        self._tare_if_needed()
+        link.tell(joints, self._state)
+
+    @property
+    def state(self) -> Record:
+        """As perceived at the last joint state."""
+        return self._state
+
+    def exchange(self, joint_rate: FloatArray) -> Record:
+        """Send joint rates [rad/s], shape (2, 3), and wait for the next state.
+
+        Raises:
+            LinkLost: it does not come, or tells what cannot be; the robot has been sent a STOP.
+
+        """
+        link = self._link
+        if self._stopped:
+            link.heartbeat()
+        else:
+            link.command(self._last, joint_rate)
+        joints = link.await_joints(self._last, link.settings.deadline)
+        problem = self._problem(joints, joint_rate)
+        if problem is not None or joints is None:
+            link.stop()
+            raise LinkLost(
+                problem or "the robot is silent", tip="see what is wrong with the robot or its network, then reset"
+            )
+        self._state["tick"] += 1
+        self._state["time"] = 1e-9 * (joints.stamp - self._first)
+        self._last, self._angle = joints.stamp, joints.angle
+        link.tell(joints, self._state)
+        return self._state
+
+    def stop(self) -> None:
+        """Tell the robot to stop; nothing is commanded any more in this session."""
+        self._stopped = True
+
+    def _problem(self, joints: JointSample | None, joint_rate: FloatArray) -> str | None:
+        """Why the robot cannot be flown on."""
+        link, deadline = self._link, self._link.settings.deadline
+        if joints is None:
+            age = link.age() or 0.0
+            return f"joint states late: none for {1e3 * age:.0f} ms"
+        stale = link.staleness(joints.stamp)
+        if stale > deadline:
+            return f"joint states late: what arrives is {1e3 * stale:.0f} ms old"
+        if joints.stamp - self._last > deadline * 1e9:
+            return f"joint states jumped by {1e-6 * (joints.stamp - self._last):.0f} ms"
+        return link.trouble() or self._lost_session() or self._lagging(joints, joint_rate)
+
+    def _lost_session(self) -> str | None:
+        """Whether the robot follows this session no more, though nobody stopped it here."""
+        link, report = self._link, self._link.report
+        if report is None or self._stopped or link.report_at < self._opened_at + GRACE:
+            return None
+        holder, why = report.values.get("session", ""), report.values.get("why", "")
+        if holder != link.session:
+            return f"the robot has let this session go; it is held by {holder or 'nobody'}"
+        return None if link.mode is RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
+
+    def _lagging(self, joints: JointSample, joint_rate: FloatArray) -> str | None:
+        """Whether a joint does not do what it is told."""
+        if self._stopped:
+            return None
+        self._told.append(joint_rate.copy())
+        dt = 1e-9 * (joints.stamp - self._last)
+        moved, told = joints.angle - self._angle, dt * np.array(self._told)
+        self._lag = self._lag * math.exp(-dt / LAG_TIME) + np.clip(moved, told.min(axis=0), told.max(axis=0)) - moved
+        worst = int(np.abs(self._lag).argmax())
+        behind = abs(float(self._lag.flat[worst]))
+        return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None
+
+    def _tare_if_needed(self) -> None:
+        report = self._link.report
+        if report is None or report.values.get("tared") == "true":
+            return
+        answer = self._link.tare()
+        if not answer.granted:
+            raise MissionRefused(f"the wrist sensors cannot be tared: {answer.reason}", tip="reset to try again")

@@ -1,0 +1,154 @@
+"""Velocities and the present from late, noisy pictures; contact from noisy wrists."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from server.link.perception import BodyEstimate, Noise, Perception
+from server.link.streams import OtherClock, Stream
+from server.link.wire import JointSample, PlaneSample
+from sim.configurations import named_configuration
+from sim.plant.plant import PLANT_STATE
+from sim.plant.pymunk_plant import PymunkPlant
+
+PERIOD = 10_000_000
+DELAY = 12_000_000
+TWIST = np.array([0.02, -0.01, 1.0])
+CONFIG = named_configuration("testbed")
+
+
+def _pose(stamp):
+    return np.array([0.1, 0.35, 3.0]) + 1e-9 * stamp * TWIST
+
+
+def _seen(stamp, random, noise=(2e-4, 2e-4, 1e-3)):
+    value = _pose(stamp) + random.normal(0, 1, 3) * noise
+    value[2] = math.remainder(value[2], math.tau)
+    return PlaneSample(stamp, "world", value)
+
+
+@pytest.fixture
+def settled():
+    random = np.random.default_rng(3)
+    estimate = BodyEstimate(Noise())
+    for stamp in range(0, 100 * PERIOD, PERIOD):
+        estimate.take(_seen(stamp, random), touched=False)
+    return estimate, random
+
+
+def test_the_velocity_is_far_better_than_differences_of_pictures(settled):
+    estimate, _ = settled
+    _, twist = estimate.at(estimate.stamp)
+    differences = math.sqrt(2) * np.array([2e-4, 2e-4, 1e-3]) / 0.01
+    assert (np.abs(twist - TWIST) < differences / 5).all()
+
+
+def test_the_delay_is_made_up_for_by_free_motion(settled):
+    estimate, _ = settled
+    now = estimate.stamp + DELAY
+    pose, _ = estimate.at(now)
+    error = pose - _pose(now)
+    error[2] = math.remainder(error[2], math.tau)
+    uncompensated = 1e-9 * DELAY * TWIST[2]
+    assert abs(error[2]) < uncompensated / 5
+    assert np.abs(error[:2]).max() < 3e-4
+
+
+def test_an_outlier_is_left_out_and_a_jump_that_stays_is_told(settled):
+    estimate, random = settled
+    start = estimate.stamp
+    sample = _seen(start + PERIOD, random)
+    estimate.take(sample._replace(value=sample.value + np.array([0.1, 0.0, 0.0])), touched=False)
+    assert estimate.outliers == 1
+    assert estimate.outlying_since == start + PERIOD
+    estimate.take(_seen(start + 2 * PERIOD, random), touched=False)
+    assert estimate.outlying_since is None
+
+
+def test_a_blow_is_followed_when_a_wrist_felt_it(settled):
+    estimate, random = settled
+    start = estimate.stamp
+    for step in range(1, 16):
+        sample = _seen(start + step * PERIOD, random)
+        change = 1e-9 * step * PERIOD * np.array([0.05, 0.0, -0.3])
+        estimate.take(sample._replace(value=sample.value + change), touched=True)
+    _, twist = estimate.at(estimate.stamp)
+    assert twist[0] - TWIST[0] == pytest.approx(0.05, abs=0.02)
+    assert twist[2] - TWIST[2] == pytest.approx(-0.3, abs=0.15)
+
+
+def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
+    perception = Perception(CONFIG, 0.12)
+    plant = PymunkPlant(CONFIG)
+    state = np.zeros(1, PLANT_STATE)[0]
+    joints = JointSample(0, plant.state["joint_angle"].copy(), np.zeros((2, 3)))
+    told = []
+    for force in (0.11, 0.13, 0.07, 0.05, 0.11):
+        perception.take_wrench(1, PlaneSample(0, "right_hand", np.array([force, 0.0, 0.0])))
+        perception.tell(joints, state)
+        told.append(bool(state["tip_contact"][1].any()))
+        assert bool(state["hand_wrench"][1].any()) == told[-1]
+        assert not state["hand_wrench"][0].any()
+    assert told == [False, True, True, False, False]
+
+
+def test_a_state_that_is_told_back_is_the_state():
+    plant = PymunkPlant(CONFIG)
+    for _ in range(40):
+        truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]))
+    perception = Perception(CONFIG, 0.1)
+    joints = JointSample(0, truth["joint_angle"].copy(), np.zeros((2, 3)))
+    for step in range(60):
+        stamp = step * PERIOD // 2
+        truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]) * math.cos(0.1 * step))
+        before = joints.angle
+        joints = JointSample(stamp, truth["joint_angle"].copy(), (truth["joint_angle"] - before) / 0.005)
+        perception.take_joints(joints)
+        if step % 2:
+            perception.take_base(PlaneSample(stamp, "world", truth["base_pose"].copy()))
+            perception.take_target(PlaneSample(stamp, "world", truth["target_pose"].copy()))
+    assert perception.complete
+    state = np.zeros(1, PLANT_STATE)[0]
+    perception.tell(joints, state)
+    # The encoders tell the mean of the last control period; what the filter holds lags by the rest of a change.
+    np.testing.assert_allclose(state["base_pose"], truth["base_pose"], atol=1e-4)
+    np.testing.assert_allclose(state["base_twist"], truth["base_twist"], atol=5e-3)
+    np.testing.assert_allclose(state["target_pose"], truth["target_pose"], atol=1e-6)
+    np.testing.assert_allclose(state["target_twist"], truth["target_twist"], atol=1e-6)
+    np.testing.assert_allclose(state["momentum"], truth["momentum"], atol=1e-2)
+
+
+def test_a_stream_knows_its_rate_age_jitter_and_loss():
+    stream = Stream(200.0)
+    for number in range(400):
+        if number % 10:
+            stream.arrive(number * 5_000_000, np.array([number]), 100.0 + number * 0.005 + 0.001 * (number % 2))
+    rate, jitter, loss = stream.measured(102.0)
+    assert rate == pytest.approx(180.0, abs=1.0)
+    assert loss == pytest.approx(0.1, abs=0.01)
+    assert jitter == pytest.approx(0.0005, rel=0.02)
+    assert stream.age(102.0) == pytest.approx(0.004, abs=1e-6)
+    assert stream.lost == 39  # nothing is known to be missing before the first
+
+
+def test_a_stream_takes_nothing_that_is_older_and_knows_when_values_stay():
+    stream = Stream(100.0)
+    assert stream.arrive(20, np.zeros(3), 1.0)
+    assert not stream.arrive(10, np.ones(3), 1.1)
+    assert stream.arrive(30, np.zeros(3), 1.5)
+    assert stream.unchanged_for == pytest.approx(0.5)
+    assert stream.arrive(40, np.ones(3), 1.6)
+    assert stream.unchanged_for == 0.0
+
+
+def test_the_offset_is_that_of_the_quickest_round_trip():
+    clock = OtherClock()
+    assert clock.offset(0.0) is None
+    ahead = 3_000_000_000
+    for there, back in ((200_000, 300_000), (100_000, 100_000), (9_000_000, 1_000_000)):
+        clock.note(0, there + ahead, there + back, 1.0)
+    assert clock.offset(1.0) == pytest.approx(3.0, abs=1e-9)
+    assert [trip.duration for trip in clock.trips(0.0)] == pytest.approx([5e-4, 2e-4, 1e-2])
