@@ -5,6 +5,7 @@ Each turn looks at STOP first, then at the inbox, flies the ticks that are due, 
 
 from __future__ import annotations
 
+import gc
 import itertools
 import logging
 import threading
@@ -267,8 +268,16 @@ class MissionLoop:
 
     def _new_mission(self, configuration: str, config: MissionConfig, fork: Fork | None = None) -> LiveMission:
         history = self._feed.history
-        robot = None if self._link is None else ZenohPlant(self._link, config)
+        robot = None if self._link is None else self._robot(self._link, config)
         return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, fork, robot)
+
+    @staticmethod
+    def _robot(link: RobotLink, config: MissionConfig) -> ZenohPlant:
+        """The robot, for a new mission."""
+        # A full collection of all that was loaded by now takes longer than the link's deadline: once, and here.
+        gc.collect()
+        gc.freeze()
+        return ZenohPlant(link, config)
 
     @property
     def _paced_by_robot(self) -> bool:

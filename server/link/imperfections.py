@@ -40,8 +40,8 @@ class Imperfections(BaseModel):
     outliers: float = _number(0.001, "Part of the pictures in which a body is seen elsewhere", ge=0, le=1)
     outlier_distance: float = _number(0.1, "How far elsewhere [m]", ge=0, le=10)
     drag: float = _number(0.005, "Air drag: part of a velocity that is lost in a second [1/s]", ge=0, le=10)
-    tilt_x: float = _number(1e-5, "Tilt of the table along x [rad]", ge=-0.1, le=0.1)
-    tilt_y: float = _number(-1e-5, "Tilt of the table along y [rad]", ge=-0.1, le=0.1)
+    tilt_x: float = _number(2e-6, "Tilt of the table along x [rad]", ge=-0.1, le=0.1)
+    tilt_y: float = _number(-2e-6, "Tilt of the table along y [rad]", ge=-0.1, le=0.1)
 
 
 class Sensors:

@@ -6,6 +6,7 @@ joint states and sends commands, any thread may send STOP. A ring of one holds w
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import logging
 import secrets
@@ -37,7 +38,9 @@ REPEAT_PERIOD = 0.02
 """Between two sendings of a request that has not been acknowledged [s]."""
 ANSWER_TIME = 1.0
 """How long the robot may take to acknowledge a request [s]."""
-STEADY_SPAN = 0.5
+SETTLING_TIME = 1.5
+"""How long a new mission may wait for that [s]."""
+STEADY_SPAN = 1.0
 """How long the robot must have been heard without a gap before a mission begins [s]."""
 
 NEEDED = (contract.JOINT_STATES, *contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
@@ -80,9 +83,11 @@ class _StillPlant:
     def __init__(self, state: Record) -> None:
         self.state = state
 
-    def exchange(self, joint_rate: FloatArray) -> Record:
-        """The state as it is."""
-        return self.state
+    def observe(self) -> None:
+        """Leave the state as it is."""
+
+    def command(self, joint_rate: FloatArray) -> None:
+        """Do nothing."""
 
 
 class RobotLink:
@@ -113,7 +118,11 @@ class RobotLink:
 
     @staticmethod
     def warm_up(config: MissionConfig) -> None:
-        """Load all compiled code that a mission with a robot runs; half a minute at the first start."""
+        """Load all code that a mission with a robot runs; half a minute at the first start.
+
+        Also what others load later: an import holds all threads for longer than a robot waits.
+        """
+        importlib.import_module("scipy.stats")
         plant = PymunkPlant(config)
         joints = JointSample(0, plant.state["joint_angle"], plant.state["joint_rate"])
         Perception(config, 1.0).tell(joints, plant.state)
@@ -238,7 +247,7 @@ class RobotLink:
 
     def staleness(self, stamp: int) -> float:
         """How long ago the robot measured what has that stamp, by both clocks [s]; 0 before the offset is known."""
-        offset = self.other_clock.offset(time.monotonic())
+        offset = self.other_clock.offset
         return 0.0 if offset is None else 1e-9 * (self.clock.now() - stamp) + offset
 
     def stranger(self) -> str | None:
@@ -270,8 +279,8 @@ class RobotLink:
             )
         with self._change:
             self._perception.begin_anew()
-            self.other_clock.begin_anew(time.monotonic())
-            self._change.wait_for(self._settled, ANSWER_TIME)
+            self.other_clock.begin_anew()
+            self._change.wait_for(self._settled, SETTLING_TIME)
             settled = self._settled()
         trouble = self.trouble() or (None if settled else "what it tells comes unevenly")
         if trouble:
@@ -281,7 +290,7 @@ class RobotLink:
         now = time.monotonic()
         joints = self.streams[contract.JOINT_STATES.key]
         steady = joints.steady(now, STEADY_SPAN, 0.5 * self.settings.deadline)
-        return steady and self._perception.complete and self.other_clock.offset(now) is not None
+        return steady and self._perception.complete and self.other_clock.offset is not None
 
     def _jump(self) -> str | None:
         deadline = self.settings.deadline * 1e9
@@ -359,7 +368,9 @@ class RobotLink:
     def _take_echo(self, payload: bytes) -> None:
         returned, at = self.clock.now(), time.monotonic()
         echo: Echo = wire.decode_echo(payload)
-        if echo.session.startswith(f"{self.console}."):
+        if not echo.session.startswith(f"{self.console}."):
+            return
+        with self._change:
             self.other_clock.note(echo.sent, echo.received, returned, at)
 
     def _take_mode(self, payload: bytes) -> None:
@@ -367,8 +378,9 @@ class RobotLink:
         with self._change:
             before = self.report
             self.report, self.report_at = report, time.monotonic()
-        if before is not None and report.values.get("refused") != before.values.get("refused"):
-            log.warning("the robot refused %s", report.values.get("last_refusal"))
+        refusal = report.values.get("last_refusal")
+        if refusal and (before is None or refusal != before.values.get("last_refusal")):
+            log.warning("the robot refused %s", refusal)
 
     def _take_acknowledgement(self, payload: bytes) -> None:
         report = wire.decode_report(payload)

@@ -138,7 +138,7 @@ def status_of(link: RobotLink) -> LinkStatus:
         held=bool(holder) and holder == link.session and robot is not None and robot.mode == "following",
         robot=robot,
         streams=tuple(_stream(link, channel, now) for channel in contract.STREAMS),
-        clock_offset=link.other_clock.offset(now),
+        clock_offset=link.other_clock.offset,
         round_trip=_round_trip(link, now),
         command_age=_command_age(link),
         latency=_latency(link, now),

@@ -99,22 +99,29 @@ class OtherClock:
 
     def __init__(self) -> None:
         self._trips: deque[Trip] = deque(maxlen=TRIPS_KEPT)
-        self._since = 0.0
+        self._quickest: deque[Trip] = deque()
+        """Those that are or may yet be the quickest of the window, the oldest and quickest first."""
 
     def note(self, sent: int, received: int, returned: int, at: float) -> None:
         """A heartbeat sent and returned by the console's clock and received by the robot's [ns], at `at` [s]."""
         middle = (sent + returned) // 2
-        self._trips.append(Trip(at, 1e-9 * (returned - sent), 1e-9 * (received - middle)))
+        trip = Trip(at, 1e-9 * (returned - sent), 1e-9 * (received - middle))
+        self._trips.append(trip)
+        while self._quickest and self._quickest[-1].duration >= trip.duration:
+            self._quickest.pop()
+        self._quickest.append(trip)
+        while self._quickest[0].at < at - OFFSET_WINDOW:
+            self._quickest.popleft()
 
-    def begin_anew(self, now: float) -> None:
-        """Judge the offset by what comes from now on [s]: the other end may have another clock."""
-        self._since = now
+    def begin_anew(self) -> None:
+        """Judge the offset by what comes from now on: the other end may have another clock."""
+        self._quickest.clear()
 
-    def offset(self, now: float) -> float | None:
+    @property
+    def offset(self) -> float | None:
         """Robot's clock less console's, within half of that round trip [s]; None if nothing came back."""
-        trips = self.trips(self._since)
-        recent = [trip for trip in trips if trip.at > now - OFFSET_WINDOW] or trips[-1:]
-        return min(recent, key=lambda trip: trip.duration).offset if recent else None
+        quickest = self._quickest
+        return quickest[0].offset if quickest else None
 
     def trips(self, since: float) -> list[Trip]:
         """Round trips after that instant of `time.monotonic` [s]."""

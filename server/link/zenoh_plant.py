@@ -1,6 +1,6 @@
 """The robot at the other end of the link as a `Plant`: one mission's session on it.
 
-Each exchange sends the command that answers the present state and waits for the next. Whatever makes the robot
+Each tick waits for the next joint state and sends the command that answers it at once. Whatever makes the robot
 unfit to be flown raises `LinkLost`, after a STOP to it; the session is not taken up again. A new mission, which an
 operator asks for, opens a new one, so nothing that was sent for this one is executed later.
 """
@@ -24,6 +24,8 @@ from sim.record import Record
 
 LAG_LIMIT = 0.04
 """How far a joint may fall behind its commands [rad]."""
+JUMP = 0.05
+"""Farther than this beyond what it was told to move, a joint has jumped [rad]."""
 COMMANDS_UNDER_WAY = 4
 """Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
 LAG_TIME = 0.3
@@ -62,6 +64,7 @@ class ZenohPlant:
         require_link_period(config)
         self._link = link
         self._state: Record = np.zeros(1, PLANT_STATE)[0]
+        self._state["tick"] = -1
         self._lag = np.zeros((2, 3))
         self._told: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
         self._stopped = False
@@ -69,46 +72,51 @@ class ZenohPlant:
         self._opened_at = time.monotonic()
         joints = link.await_joints(0, link.settings.deadline)
         assert joints is not None, "the link is ready only with joint states"
-        self._first = self._last = joints.stamp
+        self._first: int | None = None
+        self._last = joints.stamp
         self._angle = joints.angle
         self._tare_if_needed()
+        link.heartbeat()
         link.tell(joints, self._state)
 
     @property
     def state(self) -> Record:
-        """As perceived at the last joint state."""
+        """As perceived at the joint state last observed."""
         return self._state
 
-    def exchange(self, joint_rate: FloatArray) -> Record:
-        """Send joint rates [rad/s], shape (2, 3), and wait for the next state.
+    def observe(self) -> None:
+        """Wait for the next joint state and perceive the rest.
 
         Raises:
             LinkLost: it does not come, or tells what cannot be; the robot has been sent a STOP.
 
         """
         link = self._link
-        if self._stopped:
-            link.heartbeat()
-        else:
-            link.command(self._last, joint_rate)
         joints = link.await_joints(self._last, link.settings.deadline)
-        problem = self._problem(joints, joint_rate)
+        problem = self._problem(joints)
         if problem is not None or joints is None:
             link.stop()
-            raise LinkLost(
-                problem or "the robot is silent", tip="see what is wrong with the robot or its network, then reset"
-            )
+            raise LinkLost(problem or "the robot is silent", tip="mend the robot or its network, then reset")
+        if self._first is None:
+            self._first = joints.stamp
         self._state["tick"] += 1
         self._state["time"] = 1e-9 * (joints.stamp - self._first)
         self._last, self._angle = joints.stamp, joints.angle
         link.tell(joints, self._state)
-        return self._state
+
+    def command(self, joint_rate: FloatArray) -> None:
+        """Send joint rates [rad/s], shape (2, 3), that answer the state last observed."""
+        if self._stopped:
+            self._link.heartbeat()
+            return
+        self._link.command(self._last, joint_rate)
+        self._told.append(joint_rate.copy())
 
     def stop(self) -> None:
         """Tell the robot to stop; nothing is commanded any more in this session."""
         self._stopped = True
 
-    def _problem(self, joints: JointSample | None, joint_rate: FloatArray) -> str | None:
+    def _problem(self, joints: JointSample | None) -> str | None:
         """Why the robot cannot be flown on."""
         link, deadline = self._link, self._link.settings.deadline
         if joints is None:
@@ -119,7 +127,15 @@ class ZenohPlant:
             return f"joint states late: what arrives is {1e3 * stale:.0f} ms old"
         if joints.stamp - self._last > deadline * 1e9:
             return f"joint states jumped by {1e-6 * (joints.stamp - self._last):.0f} ms"
-        return link.trouble() or self._lost_session() or self._lagging(joints, joint_rate)
+        return self._jumped(joints) or link.trouble() or self._lost_session() or self._lagging(joints)
+
+    def _jumped(self, joints: JointSample) -> str | None:
+        """Whether a joint is where it cannot have come to since the last state."""
+        moved = np.abs(joints.angle - self._angle)
+        worst = int(moved.argmax())
+        fastest = max((float(np.abs(rate).max()) for rate in self._told), default=0.0)
+        reach = JUMP + 1e-9 * (joints.stamp - self._last) * fastest
+        return f"{JOINT_NAMES[worst]} jumped by {moved.flat[worst]:.3f} rad" if moved.flat[worst] > reach else None
 
     def _lost_session(self) -> str | None:
         """Whether the robot follows this session no more, though nobody stopped it here."""
@@ -131,11 +147,10 @@ class ZenohPlant:
             return f"the robot has let this session go; it is held by {holder or 'nobody'}"
         return None if link.mode is RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
 
-    def _lagging(self, joints: JointSample, joint_rate: FloatArray) -> str | None:
+    def _lagging(self, joints: JointSample) -> str | None:
         """Whether a joint does not do what it is told."""
-        if self._stopped:
+        if self._stopped or not self._told:
             return None
-        self._told.append(joint_rate.copy())
         dt = 1e-9 * (joints.stamp - self._last)
         moved, told = joints.angle - self._angle, dt * np.array(self._told)
         self._lag = self._lag * math.exp(-dt / LAG_TIME) + np.clip(moved, told.min(axis=0), told.max(axis=0)) - moved

@@ -226,7 +226,8 @@ class Mission:
     @property
     def next_tick(self) -> int:
         """The tick that is flown next: what is granted now holds from it on."""
-        return int(self._plant.state["tick"])
+        tick = int(self._plant.state["tick"])
+        return tick if isinstance(self._plant, PymunkPlant) else tick + 1  # observed and commanded already
 
     @property
     def outcome(self) -> Outcome | None:
@@ -285,9 +286,10 @@ class Mission:
             raise self._fault
         rows = np.zeros(ticks, TICK)
         plant = self._plant
-        flown = self._fly(plant, rows) if isinstance(plant, PymunkPlant) else self._exchange(plant, rows)
+        flown = self._fly(plant, rows) if isinstance(plant, PymunkPlant) else self._converse(plant, rows)
         rows = rows[:flown]
-        self._tell(rows)
+        if flown:
+            self._tell(rows)
         if self._fault is not None:
             self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
@@ -312,25 +314,26 @@ class Mission:
             )
         return flown
 
-    def _exchange(self, plant: Plant, rows: Ticks) -> int:
-        """How many of the rows were flown with a plant that is asked tick by tick."""
-        robot, memory = self._robot, self._memory
+    def _converse(self, plant: Plant, rows: Ticks) -> int:
+        """How many of the rows were flown with a plant that keeps its own time."""
         for place in range(len(rows)):
-            over = _decide(
-                robot,
-                self._parameters,
-                self._transition,
-                memory,
-                self._notes,
-                plant.state,
-                self._seen,
-                rows[place],
-            )
             try:
-                plant.exchange(memory["commanded_joint_rate"])
+                plant.observe()
+                over = _decide(
+                    self._robot,
+                    self._parameters,
+                    self._transition,
+                    self._memory,
+                    self._notes,
+                    plant.state,
+                    self._seen,
+                    rows[place],
+                )
+                plant.command(self._memory["commanded_joint_rate"])
             except PlantError as error:
                 self._fault = error
-            if over or self._fault is not None:
+                return place
+            if over:
                 return place + 1
         return len(rows)
 

@@ -1,4 +1,4 @@
-"""The plant as the mission sees it: joint rates in, `PLANT_STATE` out, once a control period."""
+"""A plant as the mission sees it: `PLANT_STATE` out, joint rates in, once a control period."""
 
 from __future__ import annotations
 
@@ -34,18 +34,24 @@ PLANT_STATE = np.dtype(
 
 
 class Plant(Protocol):
-    """Anything that can be flown."""
+    """Anything that can be flown, tick by tick: observe, decide, command."""
 
     @property
     def state(self) -> Record:
-        """The latest state, one element of `PLANT_STATE`; always the same element, changed by `exchange`."""
+        """The latest state, one element of `PLANT_STATE`; always the same element, changed by `observe`."""
         ...
 
-    def exchange(self, joint_rate: FloatArray) -> Record:
-        """Apply joint rates [rad/s], shape (2, 3), for one control period.
+    def observe(self) -> None:
+        """Wait for the next state.
 
-        Returns:
-            The state after it, one element of `PLANT_STATE`.
+        Raises:
+            PlantError: the plant can no longer be trusted.
+
+        """
+        ...
+
+    def command(self, joint_rate: FloatArray) -> None:
+        """Apply joint rates [rad/s], shape (2, 3), from now on; does not wait for what comes of it.
 
         Raises:
             PlantError: the plant can no longer be trusted.

@@ -1,0 +1,134 @@
+"""The whole service with a robot: three processes, of which the third asks over REST."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+from ends import DEADLINE, Process, Robot, becalm, until
+
+
+class Service:
+    def __init__(self, process: Process) -> None:
+        self.process = process
+
+    def get(self, path: str) -> dict[str, Any]:
+        return dict(self.process.http.get(f"/api/v1{path}").raise_for_status().json())
+
+    def post(self, path: str, **body: Any) -> httpx.Response:
+        return self.process.http.post(f"/api/v1{path}", json=body)
+
+    def command(self, name: str) -> httpx.Response:
+        return self.post("/mission/commands", command=name)
+
+    def granted(self, name: str) -> dict[str, Any]:
+        """What is refused while the robot comes back is asked again, as an operator would."""
+
+        def asked() -> dict[str, Any] | None:
+            answer = self.command(name)
+            return dict(answer.json()) if answer.status_code == 200 else None
+
+        return until(asked, f"{name} is granted") or {}
+
+    def await_phase(self, *phases: str) -> dict[str, Any]:
+        return until(lambda: m if (m := self.get("/mission"))["phase"] in phases else None, f"phase {phases}") or {}
+
+
+@pytest.fixture(scope="module")
+def service(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    arguments = ("serve", "--no-open", "--port", "0", "--plant", "zenoh", "--connect", robot.endpoint)
+    with becalm(tmp_path_factory.mktemp("service"), *arguments, "--link-deadline", str(DEADLINE)) as process:
+        service = Service(process)
+        until(lambda: process.http.get("/api/v1/mission").status_code == 200, "the mission begins")
+        yield service
+
+
+@pytest.fixture(autouse=True)
+def _idle(robot: Robot, service: Service) -> None:
+    robot.suffer()
+    if service.get("/mission")["phase"] != "idle":
+        service.granted("reset")
+
+
+def test_the_link_is_shown(robot, service):
+    link = until(lambda: s if (s := service.get("/link"))["held"] and s["command_age"] else None, "the robot is held")
+    assert link["plant"] == service.get("/health")["plant"] == service.get("/mission")["plant"]["kind"] == "zenoh"
+    assert service.get("/health")["link_age"] < DEADLINE
+    assert link["connected"]
+    assert link["endpoints"] == [robot.endpoint]
+    assert link["session"] == link["holder"] == robot.status["session"]
+    assert link["robot"]["mode"] == "following"
+    assert link["robot"]["tared"]
+    assert link["clock_offset"] == pytest.approx(3.5, abs=0.05)
+    assert 0.0 < link["round_trip"]["p50"] <= link["round_trip"]["p99"]
+    assert 0.0 < link["command_age"]["p50"] <= link["command_age"]["p99"]
+    assert link["latency"]
+    assert [stream["late"] for stream in link["streams"]] == [False] * 7
+    assert {stream["nominal_rate"] for stream in link["streams"]} == {200.0, 100.0}
+    assert service.get("/mission")["configuration"] == "testbed"
+
+
+@pytest.mark.parametrize("command", ["pause", "run", "step"])
+def test_a_robots_clock_is_nobodys_to_choose(service, command):
+    answer = service.command(command)
+    assert answer.status_code == 409
+    assert "real time" in answer.json()["detail"]
+    assert "real time" in service.get("/mission")["commands"][command]
+
+
+def test_stop_is_acknowledged_by_the_robot(robot, service):
+    service.granted("capture")
+    answer = service.post("/mission/stop").json()
+    assert answer["phase"] == "stopped"
+    assert "robot" in answer["message"]
+    until(lambda: robot.status["mode"] == "stopped", "the robot has stopped")
+    stop = until(lambda: s if (s := service.get("/link")["stop"])["acknowledged_after"] else None, "acknowledged")
+    assert stop["acknowledged_after"] < stop["age"] + 1.0
+    assert service.get("/mission")["phase"] == "stopped"
+    assert robot.at_rest()
+
+
+def test_a_robot_that_is_lost_is_shown_and_taken_again_only_when_asked(robot, service):
+    service.granted("capture")
+    robot.restart(pause=2 * DEADLINE)
+    lost = service.await_phase("faulted")
+    problem = next(each for each in lost["problems"] if each["title"] == "The robot link is lost")
+    assert "reset" in problem["tip"]
+    assert service.command("capture").status_code == 409
+    until(lambda: service.get("/link")["problem"] is None, "the robot is heard again")
+    assert service.get("/mission")["phase"] == "faulted"
+    assert robot.status["commands"] == 0
+    service.granted("reset")
+    assert service.get("/mission")["phase"] == "idle"
+    assert service.get("/link")["held"] or until(lambda: service.get("/link")["held"], "held")
+
+
+def test_taring(service):
+    assert service.post("/link/tare").status_code == 200
+    service.granted("capture")
+    refused = service.post("/link/tare")
+    assert refused.status_code == 409
+    assert "detumbling" in refused.json()["detail"]
+
+
+def test_a_whole_capture_ends_caged(robot, service):
+    robot.restart(pause=2 * DEADLINE, seed=1)
+    service.await_phase("faulted")
+    service.granted("reset")
+    service.granted("capture")
+    ended = until(lambda: m if (m := service.get("/mission"))["outcome"] else None, "the verdict")
+    assert ended["outcome"]["caged"], (ended["outcome"], ended["problems"])
+    assert ended["phase"] == "holding"
+    assert ended["contacts"]
+    run = service.get(f"/runs/{ended['run_id']}")
+    assert run["outcome"]["caged"]
+
+
+def test_the_service_leaves_the_robot_stopped(robot, service):
+    service.granted("capture")
+    service.process.process.terminate()
+    service.process.process.wait(20)
+    until(lambda: robot.status["mode"] in ("stopped", "holding"), "the robot is let go")
+    until(robot.at_rest, "the joints rest")
