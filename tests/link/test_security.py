@@ -16,7 +16,7 @@ from server.link import contract
 from server.link.session import LinkSession, Transport
 from sim.errors import ConfigError
 
-REFUSED_FOR = 1.5
+REFUSED_FOR = 1.0
 """How long a message that must not come is waited for [s]; one that may comes within a tenth of that."""
 
 
