@@ -94,8 +94,7 @@ class Pair:
         """One capture with the robot begun anew."""
         self.robot.post("/restart", json={"pause": 0.2, "seed": seed}).raise_for_status()
         until(lambda: self.mission()["phase"] == "faulted", 5.0, "the console notices the restart")
-        self.command(command="reset")
-        self.command(command="capture")
+        self._begin()
         ended = until(self._ended, CAPTURE_TIME, "the capture ends")
         link = self.link()
         outcome = ended["outcome"] or {}
@@ -113,6 +112,18 @@ class Pair:
             "command_age_p99": (link["command_age"] or {}).get("p99"),
             "problem": [each["message"] for each in ended["problems"]] if ended["phase"] == "faulted" else [],
         }
+
+    def _begin(self) -> None:
+        """Take the robot and capture; what was lost before the capture began is taken again, as an operator would."""
+
+        def begun() -> bool:
+            self.command(command="reset")
+            answer = self.console.post("/api/v1/mission/commands", json={"command": "capture"})
+            if answer.status_code != 200:
+                print([each["message"] for each in self.mission()["problems"]], file=sys.stderr, flush=True)
+            return answer.status_code == 200
+
+        until(begun, 60.0, "the capture begins")
 
     def mission(self) -> dict[str, Any]:
         """The latest snapshot."""

@@ -226,6 +226,17 @@ class RobotLink:
             joints = self._joints
         return joints if joints is not None and joints.stamp > after else None
 
+    def perceive_anew(self) -> None:
+        """Forget what was perceived: it was with wrists that had not been tared."""
+        with self._change:
+            self._perception.begin_anew()
+
+    @property
+    def perceives(self) -> bool:
+        """Whether both bodies have been seen for long enough."""
+        with self._change:
+            return self._perception.complete
+
     def tell(self, joints: JointSample, state: Record) -> None:
         """What is perceived at that joint state, into one element of `PLANT_STATE`."""
         with self._change:

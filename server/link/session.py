@@ -114,7 +114,7 @@ _TIP = "endpoints are written tcp/HOST:PORT or tls/HOST:PORT; docs/link.md shows
 def _config(transport: Transport) -> zenoh.Config:
     config = zenoh.Config()
     for key, value in {
-        "mode": "peer",
+        "mode": "router",  # routes, so that a router in between is one more endpoint; and keeps trying as a peer does
         "listen/endpoints": list(transport.listen),
         "connect/endpoints": list(transport.connect),
         "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},

@@ -14,7 +14,7 @@ from collections import deque
 import numpy as np
 
 from server.link.contract import CONTROL_RATE, JOINT_NAMES, RobotMode
-from server.link.robot_link import RobotLink
+from server.link.robot_link import SETTLING_TIME, RobotLink
 from server.link.wire import JointSample
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -75,8 +75,8 @@ class ZenohPlant:
         self._first: int | None = None
         self._last = joints.stamp
         self._angle = joints.angle
-        self._tare_if_needed()
-        link.heartbeat()
+        if self._tare_if_needed():
+            self._settle()
         link.tell(joints, self._state)
 
     @property
@@ -158,10 +158,24 @@ class ZenohPlant:
         behind = abs(float(self._lag.flat[worst]))
         return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None
 
-    def _tare_if_needed(self) -> None:
+    def _settle(self) -> None:
+        """Hold the arms still until both bodies have been seen for long enough with tared wrists."""
+        link = self._link
+        link.perceive_anew()
+        until = time.monotonic() + SETTLING_TIME
+        while not link.perceives:
+            joints = link.await_joints(self._last, link.settings.deadline)
+            if joints is None or time.monotonic() > until:
+                raise LinkLost("the robot was lost after its wrists were tared", tip="reset to try again")
+            self._last, self._angle = joints.stamp, joints.angle
+            link.command(joints.stamp, np.zeros((2, 3)))
+
+    def _tare_if_needed(self) -> bool:
+        """Tare wrists that have not been since the robot was started; whether that was needed."""
         report = self._link.report
         if report is None or report.values.get("tared") == "true":
-            return
+            return False
         answer = self._link.tare()
         if not answer.granted:
             raise MissionRefused(f"the wrist sensors cannot be tared: {answer.reason}", tip="reset to try again")
+        return True

@@ -26,7 +26,7 @@ from sim.errors import LinkLost, MissionRefused
 
 PATIENCE = 60.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
-DEADLINE = 0.4
+DEADLINE = 0.6
 """Of both ends [s]: longer than the default, for machines that do much beside these tests."""
 CONFIG = named_configuration("testbed")
 POLL = 0.01

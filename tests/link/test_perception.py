@@ -101,7 +101,7 @@ def test_a_state_that_is_told_back_is_the_state():
         truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]))
     perception = Perception(CONFIG, 0.1)
     joints = JointSample(0, truth["joint_angle"].copy(), np.zeros((2, 3)))
-    for step in range(60):
+    for step in range(120):
         stamp = step * PERIOD // 2
         truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]) * math.cos(0.1 * step))
         before = joints.angle
