@@ -59,6 +59,8 @@ class ServiceState(Collector):
         yield from _clock(services.loop.pace)
         if services.loop.tick_age is not None:
             yield _gauge("becalm_tick_age_seconds", "Since the last tick was flown", services.loop.tick_age)
+        if services.link is not None and (age := services.link.age()) is not None:
+            yield _gauge("becalm_link_age_seconds", "Since the robot was last heard of", age)
         if services.feed.latest is not None:
             yield from _mission(services.feed.latest.snapshot)
         yield self._queues()

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
-from typing import get_args
 
 import click
+import httpx
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
 from becalm.cli import main
 from server.settings import Settings, choose
+from tests.deploy.ports import free_port
 
 COMPOSE_SPECIFICATION = files("check_jsonschema") / "builtin_schemas" / "vendor" / "compose-spec.json"
 """The schema that the compose specification publishes, as the package check-jsonschema carries it."""
 
 ROOT = Path(__file__).parents[2]
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
-FLIES_A_ROBOT = "zenoh" in get_args(Settings.model_fields["plant"].annotation)
 
 
 def _interpolated(value: object, environment: dict[str, str]) -> object:
@@ -44,6 +48,7 @@ def _project(**environment: str) -> dict:
 
 PROJECT = _project()
 SERVICES: dict[str, dict] = PROJECT["services"]
+PATIENCE = 120.0
 CONSOLES = ("console", "simulation")
 
 
@@ -109,8 +114,6 @@ def test_no_token_stands_in_an_environment():
 @pytest.mark.parametrize("name", CONSOLES)
 def test_the_settings_of_a_console_can_be(name, tmp_path):
     environment = {key: str(value) for key, value in SERVICES[name]["environment"].items()}
-    if environment.get("BECALM_PLANT") == "zenoh" and not FLIES_A_ROBOT:
-        pytest.skip("this version has no link to a robot")
     known = {f"BECALM_{field.upper()}" for field in Settings.model_fields}
     assert set(environment) <= known
     token = tmp_path / "admin.token"
@@ -124,8 +127,6 @@ def test_the_settings_of_a_console_can_be(name, tmp_path):
 def test_every_command_is_one(name):
     program, *arguments = _command(name)
     if program == "becalm":
-        if arguments[0] not in main.commands:
-            pytest.skip(f"this version has no `becalm {arguments[0]}`")
         command = main.commands[arguments[0]]
         assert command.make_parser(click.Context(command)).parse_args(arguments[1:])
     elif program == "dask":
@@ -160,3 +161,41 @@ def test_the_settings_that_the_example_suggests_can_be():
 def test_the_scheduler_is_where_the_workers_and_the_example_look_for_it():
     assert _command("worker")[2] == "tcp://scheduler:8786"
     assert shlex.join(_command("scheduler")).endswith("--port 8786 --no-dashboard")
+
+
+@contextmanager
+def _running(*command: str, **environment: str) -> Iterator[str]:
+    """A program of the compose file on this machine; gives its first line."""
+    variables = {**os.environ, "PYTHONUNBUFFERED": "1", **environment}
+    with subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True, env=variables) as process:
+        try:
+            yield process.stdout.readline()
+        finally:
+            process.terminate()
+
+
+def test_console_router_and_robot_find_each_other(tmp_path):
+    """The commands and settings of the three services, on loopback's ports in place of their host names."""
+    port = str(free_port())
+
+    def here(words: list[str]) -> list[str]:
+        return [re.sub(r"tcp/(?:router|0\.0\.0\.0):7447", f"tcp/127.0.0.1:{port}", word) for word in words]
+
+    router = [str(ROOT / "deploy" / "container" / "router"), *here(_command("router")[1:])]
+    robot = ["-m", *here(_command("robot"))]
+    console = {key: here([str(value)])[0] for key, value in SERVICES["console"]["environment"].items()}
+    del console["BECALM_ADMIN_TOKEN_FILE"]  # on loopback nobody needs one
+    console["BECALM_DATA_DIR"] = str(tmp_path)
+    with (
+        _running(*router),
+        _running(*robot),
+        _running("-m", "becalm", "serve", "--port", "0", "--no-open", **console) as ready,
+    ):
+        url = re.search(r"http://\S+/", ready)[0]
+        deadline = time.monotonic() + PATIENCE
+        while (health := httpx.get(url + "api/v1/health").json())["status"] != "ok":
+            assert time.monotonic() < deadline, health
+            time.sleep(0.1)
+        assert health["plant"] == "zenoh"
+        assert health["link_age"] < PATIENCE
+        assert "becalm_link_age_seconds" in httpx.get(url + "metrics").text
