@@ -2,6 +2,7 @@
 
     python -m benchmarks.link                        20 seeds with the testbed's defaults
     python -m benchmarks.link --seeds 3 --idle 600   and ten minutes of watching for lost states
+    python -m benchmarks.link --nice -10             on a machine that does much beside it
     python -m benchmarks.link --set control.impedance.damping=1.5 --set control.impedance.stiffness=10
 
 The robot is restarted with each seed, so the target spins as at the start; an operator's reset takes it again.
@@ -187,9 +188,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--idle", type=float, default=0.0, help="watch an idle mission for so many seconds first")
+    parser.add_argument("--nice", type=int, default=0, help="of both processes; below 0 takes the right to it")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--imperfection", action="append", default=[], metavar="NAME=VALUE")
     chosen = parser.parse_args()
+    os.nice(chosen.nice)
     with pair(chosen.settings, chosen.imperfection) as both:
         if chosen.idle:
             print(json.dumps(watch(both, chosen.idle)), flush=True)

@@ -22,13 +22,13 @@ from sim.errors import ConfigError, LinkLost, MissionRefused
 from sim.plant.plant import PLANT_STATE
 from sim.record import Record
 
-LAG_LIMIT = 0.04
+LAG_LIMIT = 0.08
 """How far a joint may fall behind its commands [rad]."""
 JUMP = 0.05
 """Farther than this beyond what it was told to move, a joint has jumped [rad]."""
 COMMANDS_UNDER_WAY = 4
 """Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
-LAG_TIME = 0.3
+LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
 GRACE = 0.2
 """How long the robot may take to say that it follows the new session [s]."""
