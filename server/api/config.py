@@ -22,6 +22,7 @@ DESCRIPTIONS = {
     "published": "The constants that reproduce the paper's tables; m 0.10, d 1.5, k 10",
     "as_printed": "The constants as the paper's Tables I and II print them",
     "published_figures": "The impedance that fits the paper's figures: five soft touches, m 0.2, d 0.1, k 0.1",
+    "testbed": "The air-bearing robot of the experiment: 200 Hz, its PID gains, rigid hands; m 0.1, d 6, k 50",
 }
 
 
@@ -108,7 +109,7 @@ async def config_schema() -> ParameterSchema:
 async def configurations() -> list[ConfigurationBody]:
     """The named configurations."""
     return [
-        ConfigurationBody(name=name, description=DESCRIPTIONS.get(name, ""), config=named)
+        ConfigurationBody(name=name, description=DESCRIPTIONS[name], config=named)
         for name, named in NAMED_CONFIGURATIONS.items()
     ]
 

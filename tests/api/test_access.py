@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 
 import httpx
 import pytest
@@ -19,6 +20,9 @@ from server.access.tokens import TokenStore
 from server.app import create_app
 from server.settings import Settings
 from sim.errors import ConfigError
+
+PATIENCE = 60.0
+"""Bound on a wait for the disk [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +84,17 @@ def test_the_missions_log_names_who_asked(guarded, secrets):
     ask(guarded, "POST", "/mission/commands", secrets[Role.OPERATOR], json={"command": "detumble"})
     ask(guarded, "POST", "/mission/stop", secrets[Role.VIEWER])
     run = ask(guarded, "GET", "/mission", secrets[Role.VIEWER]).json()["run_id"]
+    expected = [("detumble", "a-operator"), ("stop", "a-viewer")]
+    deadline = time.monotonic() + PATIENCE
+    while (asked := _asked(guarded, run, secrets))[-2:] != expected and time.monotonic() < deadline:
+        time.sleep(0.05)  # the recorder writes in a thread of its own
+    assert asked[-2:] == expected
+
+
+def _asked(guarded, run, secrets):
+    """Who gave which command, as the run's log has it on disk now."""
     events = ask(guarded, "GET", f"/runs/{run}/events", secrets[Role.VIEWER]).json()
-    asked = [(event["command"], event["who"]) for event in events if event["kind"] == "command"]
-    assert asked[-2:] == [("detumble", "a-operator"), ("stop", "a-viewer")]
+    return [(event["command"], event["who"]) for event in events if event["kind"] == "command"]
 
 
 async def test_telemetry_and_scene_are_behind_the_same_check(guarded, secrets):
