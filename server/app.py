@@ -18,7 +18,21 @@ from server.access.audit import AuditLog
 from server.access.guard import Access, Guard
 from server.access.headers import SecurityHeaders
 from server.access.tokens import TokenStore
-from server.api import PREFIX, config, health, link, metrics, mission, problem_json, runs, session, studies, telemetry
+from server.api import (
+    PREFIX,
+    config,
+    health,
+    link,
+    metrics,
+    mission,
+    playback,
+    problem_json,
+    runs,
+    scene,
+    session,
+    studies,
+    telemetry,
+)
 from server.api.bodies import JsonBodies
 from server.api.origin import SameOrigin
 from server.api.services import Services
@@ -28,6 +42,7 @@ from server.disk import GIGABYTE, DiskGuard
 from server.feed import Feed
 from server.link.flown import link_of
 from server.loop import MissionLoop
+from server.playbacks import Playbacks
 from server.projector import Projector
 from server.recorder import Recorder
 from server.retention import keep_removing
@@ -81,6 +96,7 @@ def create_app(settings: Settings) -> FastAPI:
     studies = StudyStore(settings.data_dir / "studies")
     study_queue = StudyQueue(studies, partial(_study_workers, settings))
     access = _access(settings)
+    live_scene, playbacks = Scene(initial), Playbacks()
     services = Services(
         settings,
         access,
@@ -94,8 +110,10 @@ def create_app(settings: Settings) -> FastAPI:
         ScriptedRuns(store),
         studies,
         study_queue,
+        live_scene,
+        playbacks,
     )
-    projector = Projector(Scene(initial), feed, loop)
+    projector = Projector(live_scene, feed, loop)
 
     app = Service(
         title="Becalm",
@@ -107,6 +125,7 @@ def create_app(settings: Settings) -> FastAPI:
         generate_unique_id_function=_operation_id,
     )
     app.state.services = services
+    app.state.playbacks = playbacks
     problem_json.install(app)
     app.add_middleware(JsonBodies)
     app.add_middleware(Guard, access=access)
@@ -179,6 +198,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
 async def _end(services: Services, projector: Projector) -> None:
     """End everything at once: each within its own patience, and all within the longest of them."""
     ends: tuple[Callable[[], None], ...] = (
+        services.playbacks.shutdown,
         projector.shutdown,
         partial(_end_mission, services),
         services.scripted.shutdown,
@@ -197,7 +217,7 @@ def _end_mission(services: Services) -> None:
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, session, mission, config, link, runs, studies, telemetry):
+    for resource in (health, session, mission, config, link, scene, runs, playback, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(metrics.router)

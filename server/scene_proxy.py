@@ -1,4 +1,6 @@
-"""The viser scene under `/scene`, on the service's own port: its page, and the websocket that feeds it.
+"""The viser scenes under `/scene`, on the service's own port: their page, and the websocket that feeds it.
+
+`/scene/` shows the live mission, `/scene/playback/KEY/` a recorded run that somebody watches (`server.playbacks`).
 
 viser knows no login and takes any origin, so it listens on loopback only and everything comes through
 here, behind the same checks as the rest of the service (`SameOrigin`). The page at `/scene/` opens its
@@ -9,8 +11,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
+from functools import partial
 from typing import Any
+from urllib.parse import quote
 
 import httpx
 from fastapi import APIRouter, HTTPException, Request, Response, WebSocket, WebSocketDisconnect
@@ -21,6 +25,7 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.access.headers import content_policy, inline_scripts
+from server.playbacks import Playbacks
 
 router = APIRouter(include_in_schema=False)
 
@@ -58,10 +63,27 @@ async def scene_without_slash() -> RedirectResponse:
     return RedirectResponse("/scene/")
 
 
+@router.get("/scene/playback/{key}")
+async def playback_without_slash(key: str) -> RedirectResponse:
+    """To the page, whose own links are relative to the slash."""
+    return RedirectResponse(f"/scene/playback/{quote(key, safe='')}/")
+
+
+@router.get("/scene/playback/{key}/{path:path}")
+async def playback_page(request: Request, key: str, path: str) -> Response:
+    """The page of a recorded run's scene."""
+    return await _page(_playback_port(request, key), path)
+
+
 @router.get("/scene/{path:path}")
 async def scene_page(request: Request, path: str) -> Response:
+    """The page of the live mission's scene."""
+    return await _page(_live_port(request), path)
+
+
+async def _page(port: int, path: str) -> Response:
     """The page of viser, dressed for the console, or another of its files."""
-    url = httpx.URL(scheme="http", host="127.0.0.1", port=_port(request), path=f"/{path}")
+    url = httpx.URL(scheme="http", host="127.0.0.1", port=port, path=f"/{path}")
     try:
         async with httpx.AsyncClient(trust_env=False, timeout=ANSWER_TIMEOUT) as client:
             answer = await client.get(url)
@@ -85,11 +107,23 @@ def dressed(page: bytes) -> bytes:
 @router.websocket("/scene")
 @router.websocket("/scene/")
 async def scene_socket(browser: WebSocket) -> None:
+    """The websocket of the live mission's scene."""
+    await _pump(browser, _live_port)
+
+
+@router.websocket("/scene/playback/{key}")
+@router.websocket("/scene/playback/{key}/")
+async def playback_socket(browser: WebSocket, key: str) -> None:
+    """The websocket of a recorded run's scene."""
+    await _pump(browser, partial(_playback_port, key=key))
+
+
+async def _pump(browser: WebSocket, port: Callable[[HTTPConnection], int]) -> None:
     """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
     offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
     try:
         viser = await connect(
-            f"ws://127.0.0.1:{_port(browser)}/",
+            f"ws://127.0.0.1:{port(browser)}/",
             subprotocols=offered or None,
             compression=None,
             max_size=None,
@@ -107,11 +141,20 @@ async def scene_socket(browser: WebSocket) -> None:
             await browser.close(viser.close_code or 1001, viser.close_reason or "")
 
 
-def _port(connection: HTTPConnection) -> int:
+def _live_port(connection: HTTPConnection) -> int:
     """The loopback port of the viser server, kept by the application once the scene has started."""
     port: int | None = getattr(connection.app.state, "scene_port", None)
     if port is None:
         raise HTTPException(503, "the 3D scene has not started yet")
+    return port
+
+
+def _playback_port(connection: HTTPConnection, key: str) -> int:
+    """The loopback port of a recorded run's scene."""
+    playbacks: Playbacks | None = getattr(connection.app.state, "playbacks", None)
+    port = None if playbacks is None else playbacks.port(key)
+    if port is None:
+        raise HTTPException(404, "no recorded run is watched under that key")
     return port
 
 

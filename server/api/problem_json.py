@@ -131,10 +131,10 @@ def problem_answer(document: ProblemDocument, headers: dict[str, str] | None = N
     return JSONResponse(content, document.status, headers=headers, media_type=MEDIA_TYPE)
 
 
-async def _refused(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, CaptureError)
+def document_of(error: CaptureError) -> ProblemDocument:
+    """The document that tells of a refusal."""
     status = next((code for kind, code in STATUSES.items() if isinstance(error, kind)), 500)
-    document = ProblemDocument(
+    return ProblemDocument(
         title=_TITLES.get(status, "Failed"),
         status=status,
         detail=str(error),
@@ -143,7 +143,12 @@ async def _refused(_: Request, error: Exception) -> JSONResponse:
         cells=error.cells if isinstance(error, ConfirmationNeeded) else None,
         estimated_time=error.estimated_time if isinstance(error, ConfirmationNeeded) else None,
     )
-    return problem_answer(document, {"Retry-After": "1"} if status == 503 else None)
+
+
+async def _refused(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, CaptureError)
+    document = document_of(error)
+    return problem_answer(document, {"Retry-After": "1"} if document.status == 503 else None)
 
 
 def _config_findings(error: ConfigError) -> list[Finding]:

@@ -13,9 +13,11 @@ from server.disk import DiskGuard
 from server.feed import Feed
 from server.link.robot_link import RobotLink
 from server.loop import MissionLoop
+from server.playbacks import Playbacks
 from server.recorder import Recorder
 from server.run_index import RunIndex
 from server.runs import RunStore
+from server.scene import Scene
 from server.scripted import ScriptedRuns
 from server.settings import Settings
 from server.studies import StudyStore
@@ -39,6 +41,8 @@ class Services:
     scripted: ScriptedRuns
     studies: StudyStore
     study_queue: StudyQueue
+    scene: Scene
+    playbacks: Playbacks
 
 
 def _services(connection: HTTPConnection) -> Services:

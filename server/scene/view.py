@@ -136,10 +136,27 @@ class Scene:
             self._layers |= layers
             self._apply_layers()
 
+    def arrange(self, camera: CameraName | None, layers: Mapping[str, bool]) -> None:
+        """Chooses camera and layers; None leaves the camera.
+
+        Raises:
+            ValueError: there is no such camera or layer; nothing is changed then.
+
+        """
+        if layers:
+            self.set_layers(layers)
+        if camera is not None:
+            self.set_camera(camera)
+
     @property
     def layers(self) -> dict[str, bool]:
         """Which layers are shown."""
         return dict(self._layers)
+
+    @property
+    def camera(self) -> CameraName:
+        """The preset in force."""
+        return self._camera
 
     def set_camera(self, name: CameraName) -> None:
         """Takes all browsers to a preset; those that come later begin there.

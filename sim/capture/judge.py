@@ -192,7 +192,7 @@ def touches_of(notes: Record) -> list[Touch]:
     ]
 
 
-def outcome_of(notes: Record, config: MissionConfig, state: Record, cage: Cage) -> Outcome:
+def outcome_of(notes: Record, config: MissionConfig, spin: float, cage: Cage) -> Outcome:
     """The outcome that the notes show at their verdict; `cage` is that of the hands and target now."""
     failure = {
         Verdict.EJECTION: OutcomeClass.EJECTION,
@@ -217,7 +217,7 @@ def outcome_of(notes: Record, config: MissionConfig, state: Record, cage: Cage) 
         locked_at=locked_at,
         duration=float(notes["verdict_at"] - notes["begun_at"]),
         contacts=touches_of(notes),
-        final_target_spin=float(state["target_twist"][2]),
+        final_target_spin=spin,
         min_manipulability=float(notes["min_manipulability"]),
         momentum_error=float(notes["momentum_error"]),
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -116,11 +116,18 @@ def follow(
     seen: Seen,
     recorded: Ticks,
     rows: Ticks,
-) -> None:
-    """Judge and command from recorded states, rows of `TICK`, in place of a plant's; `rows` are filled."""
+) -> int:
+    """Judge and command from recorded states, rows of `TICK`, in place of a plant's; `rows` are filled.
+
+    Returns:
+        How many ticks were followed; it stops after the tick of a verdict.
+
+    """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        _decide(robot, parameters, transition, memory, notes, state, seen, rows[place])
+        if _decide(robot, parameters, transition, memory, notes, state, seen, rows[place]):
+            return place + 1
+    return len(recorded)
 
 
 @compiled
@@ -169,6 +176,20 @@ def prepare() -> None:
     mission.request(Command.DIRECT_CAGE)
     mission.advance(2)
     mission.cage()
+
+
+class Mark(NamedTuple):
+    """Where a mission that follows a recording stood."""
+
+    config: MissionConfig
+    memory: Record
+    notes: Record
+    state: Record
+    seen: Seen
+    last: Ticks
+    outcome: Outcome | None
+    touches: tuple[Touch, ...]
+    told: frozenset[str]
 
 
 class Mission:
@@ -269,8 +290,7 @@ class Mission:
                 tip="reset the mission; the new value holds from then on",
             )
         self.config = config
-        self._parameters = record_of(config)
-        self._transition = admittance_transition(config.control.impedance, config.control.period)
+        self._adopt(config)
 
     def advance(self, ticks: int) -> Ticks:
         """Fly up to that many control ticks; fewer if a verdict falls, after which the next call flies on.
@@ -344,18 +364,48 @@ class Mission:
     def follow(self, recorded: Ticks) -> Ticks:
         """What is judged and commanded today in recorded states, an array of `TICK`; the same ticks again."""
         rows = np.zeros(len(recorded), TICK)
-        follow(
-            self._robot,
-            self._parameters,
-            self._transition,
-            self._memory,
-            self._notes,
-            self._plant.state,
-            self._seen,
-            recorded,
-            rows,
-        )
+        done = 0
+        while done < len(rows):
+            followed = follow(
+                self._robot,
+                self._parameters,
+                self._transition,
+                self._memory,
+                self._notes,
+                self._plant.state,
+                self._seen,
+                recorded[done:],
+                rows[done:],
+            )
+            self._tell(rows[done : done + followed])
+            done += followed
         return rows
+
+    def mark(self) -> Mark:
+        """Where the mission stands; `go_back` returns to it. Of a mission that follows: a plant has no way back."""
+        return Mark(
+            self.config,
+            self._memory.copy(),
+            self._notes.copy(),
+            self._plant.state.copy(),
+            self._seen.copy(),
+            self._last,
+            self._outcome,
+            tuple(self._touches),
+            frozenset(self._told),
+        )
+
+    def go_back(self, mark: Mark) -> None:
+        """Stand where the mission stood at that mark, from which on it follows as it did then."""
+        if mark.config is not self.config:
+            self.config = mark.config
+            self._adopt(mark.config)
+        self._memory, self._notes, self._seen = mark.memory.copy(), mark.notes.copy(), mark.seen.copy()
+        for name in PLANT_STATE.names or ():
+            self._plant.state[name] = mark.state[name]
+        self._last, self._outcome = mark.last, mark.outcome
+        self._touches, self._told = list(mark.touches), set(mark.told)
+        self._events = []
 
     def tick(self) -> Any:
         """Fly one control tick; its record, one element of `TICK`."""
@@ -367,10 +417,9 @@ class Mission:
         return sorted(events, key=lambda event: event.time)
 
     def cage(self) -> Cage:
-        """Whether the hands, if they stayed as they are, cage the target."""
-        state = self._plant.state
-        links = chain(self._robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        return cage(self.config, links.hand_pose, state["target_pose"])
+        """Whether the hands, if they stayed as in the last tick, cage the target."""
+        row = self._last[-1]
+        return cage(self.config, row["hand_pose"], row["target_pose"])
 
     def snapshot(self) -> Snapshot:
         """What is published of the last tick; before the first tick, of the start."""
@@ -400,6 +449,10 @@ class Mission:
             outcome=self._outcome,
         )
 
+    def _adopt(self, config: MissionConfig) -> None:
+        self._parameters = record_of(config)
+        self._transition = admittance_transition(config.control.impedance, config.control.period)
+
     def _start(self) -> Ticks:
         """The state before the first tick, as one row of `TICK`; nothing is flown."""
         rows = np.zeros(1, TICK)
@@ -426,7 +479,7 @@ class Mission:
         self._tell_once("closed_at", closed_event)
         self._tell_once("locked_at", locked_event)
         if self._outcome is None and self._notes["verdict"] != Verdict.NONE:
-            self._outcome = outcome_of(self._notes, self.config, self._plant.state, self.cage())
+            self._outcome = outcome_of(self._notes, self.config, float(rows[-1]["target_twist"][2]), self.cage())
             self._events.append(verdict_event(self._outcome, float(self._notes["verdict_at"]), period))
 
     def _tell_once(self, field: str, event: Callable[[float, float], Event]) -> None:

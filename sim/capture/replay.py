@@ -98,20 +98,10 @@ def controlled(history: FlightHistory, recorded: Iterable[Ticks]) -> Iterator[Ti
         MissionRefused: today's phases do not allow a command that was granted then.
 
     """
-    mission = Mission(history.config)
-    left = list(history.interventions)
+    follower = Follower(history)
     for chunk in recorded:
-        rows = np.empty(len(chunk), TICK)  # what a file gives is read-only, for which all would be compiled anew
-        rows[:] = chunk
-        pieces, place = [rows[:0]], 0
-        while place < len(rows):
-            mission.recall(rows[place])
-            while left and left[0].tick <= rows["tick"][place]:
-                intervene(mission, left.pop(0))
-            until = int(np.searchsorted(rows["tick"], left[0].tick)) if left else len(rows)
-            pieces.append(mission.follow(rows[place:until]))
-            place = until
-        yield np.concatenate(pieces)
+        yield follower.follow(chunk)
+        follower.mission.take_events()
 
 
 def intervene(mission: Mission, intervention: Intervention) -> None:
@@ -152,6 +142,41 @@ def first_difference(recorded: Ticks, now: Ticks) -> Difference | None:
 def _bits(values: np.ndarray[Any, np.dtype[Any]]) -> np.ndarray[Any, np.dtype[Any]]:
     """Numbers as integers of the same bits: NaN equals itself, and minus zero is not zero."""
     return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
+
+
+class Follower:
+    """A mission that sees recorded ticks in place of a plant, and is done to what was done to it then."""
+
+    def __init__(self, history: FlightHistory) -> None:
+        self.mission = Mission(history.config)
+        self.done = 0
+        """How many of the interventions are behind it."""
+        self._interventions = history.interventions
+
+    def follow(self, recorded: Ticks) -> Ticks:
+        """What is judged and commanded today in these states, an array of `TICK` that follows those before.
+
+        Raises:
+            MissionRefused: today's phases do not allow a command that was granted then.
+
+        """
+        rows = np.empty(len(recorded), TICK)  # what a file gives is read-only, for which all would be compiled anew
+        rows[:] = recorded
+        pieces, place = [rows[:0]], 0
+        while place < len(rows):
+            self.mission.recall(rows[place])
+            while (tick := self._next_intervention) is not None and tick <= rows["tick"][place]:
+                intervene(self.mission, self._interventions[self.done])
+                self.done += 1
+            until = len(rows) if tick is None else int(np.searchsorted(rows["tick"], tick))
+            pieces.append(self.mission.follow(rows[place:until]))
+            place = until
+        return np.concatenate(pieces)
+
+    @property
+    def _next_intervention(self) -> int | None:
+        """The first tick flown under it; None if there is none left."""
+        return self._interventions[self.done].tick if self.done < len(self._interventions) else None
 
 
 class _Flight:

@@ -1,0 +1,160 @@
+"""`WS /runs/{id}/playback`: a recorded run at any moment, in a scene of its own.
+
+The client names moments, and for each gets the snapshot that was published then; meanwhile asked moments are left out
+but for the last. The connection is the screening: when it ends, so does the scene.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from server.api.problem_json import document_of
+from server.api.runs import RunId
+from server.api.services import Services, ServicesDep
+from server.feed import snapshot_text
+from server.playbacks import Screening
+from server.problems import ServiceBusy
+from server.scene import CAMERAS, CameraName
+from sim.errors import CaptureError, MissionRefused
+
+TRY_AGAIN_LATER, POLICY = 1013, 1008
+"""WebSocket close codes: no room now; not this run."""
+
+LARGEST_MESSAGE = 4096
+
+router = APIRouter()
+
+
+class Show(BaseModel):
+    """Draw and tell the run at a moment."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    type: Literal["show"]
+    time: float = Field(ge=0, allow_inf_nan=False, description="Mission time [s]")
+
+
+class Arrange(BaseModel):
+    """Look at the scene in another way."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    type: Literal["arrange"]
+    camera: CameraName | None = None
+    layers: dict[str, bool] = Field(default_factory=dict)
+
+
+Message = Show | Arrange
+_MESSAGE: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
+
+
+@router.websocket("/runs/{run_id}/playback")
+async def playback(websocket: WebSocket, services: ServicesDep, run_id: RunId) -> None:
+    """Screen the run until the client leaves."""
+    await websocket.accept()
+    try:
+        reader = services.store.read(run_id)
+        if not reader.has_log:
+            raise MissionRefused(
+                f"run {run_id} has no log: it is {reader.record.status}", tip="ask again when it flies"
+            )
+        key, screening = await asyncio.to_thread(services.playbacks.open, reader)
+    except CaptureError as refusal:
+        code = TRY_AGAIN_LATER if isinstance(refusal, ServiceBusy) else POLICY
+        await websocket.send_text(_refused(refusal))
+        await websocket.close(code, str(refusal)[:100])
+        return
+    try:
+        await websocket.send_text(_opened(services, run_id, key, screening))
+        await _Room(websocket, screening).serve()
+    finally:
+        await asyncio.to_thread(services.playbacks.close, key)
+
+
+def _opened(services: Services, run_id: str, key: str, screening: Screening) -> str:
+    last = services.store.read(run_id).last_tick()
+    opened = {
+        "type": "opened",
+        "scene": f"/scene/playback/{key}/",
+        "end": 0.0 if last is None else float(last["time"][0]),
+        "camera": screening.scene.camera,
+        "cameras": list(CAMERAS),
+        "layers": screening.scene.layers,
+    }
+    return json.dumps(opened)
+
+
+def _refused(refusal: CaptureError) -> str:
+    return '{"type":"refused","problem":' + document_of(refusal).model_dump_json(exclude_none=True) + "}"
+
+
+class _Room:
+    """One client and its screening: the last moment asked for is shown as soon as the one before is."""
+
+    def __init__(self, websocket: WebSocket, screening: Screening) -> None:
+        self._websocket = websocket
+        self._screening = screening
+        self._wanted: Show | None = None
+        self._arrangements: list[Arrange] = []
+        self._news = asyncio.Event()
+
+    async def serve(self) -> None:
+        """Until the client leaves."""
+        tasks = [asyncio.create_task(self._listen()), asyncio.create_task(self._project())]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+            await self._websocket.close()
+
+    async def _listen(self) -> None:
+        while (received := await self._websocket.receive())["type"] == "websocket.receive":
+            message = await self._understood(received)
+            if isinstance(message, Show):
+                self._wanted = message
+            elif message is not None:
+                self._arrangements.append(message)
+            self._news.set()
+
+    async def _understood(self, received: Any) -> Message | None:
+        """The client's message; one that is none is answered with what would be right."""
+        try:
+            return _MESSAGE.validate_json((received.get("text") or "")[:LARGEST_MESSAGE])
+        except ValidationError as error:
+            findings = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
+            await self._websocket.send_text(json.dumps({"type": "invalid", "detail": "; ".join(findings)}))
+            return None
+
+    async def _project(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            arrangements, self._arrangements = self._arrangements, []
+            for each in arrangements:
+                await self._arrange(each)
+            wanted, self._wanted = self._wanted, None
+            if wanted is not None:
+                await self._show(wanted.time)
+
+    async def _arrange(self, message: Arrange) -> None:
+        try:
+            await asyncio.to_thread(self._screening.scene.arrange, message.camera, message.layers)
+        except ValueError as error:
+            await self._websocket.send_text(json.dumps({"type": "invalid", "detail": str(error)}))
+
+    async def _show(self, time: float) -> None:
+        try:
+            snapshot = await asyncio.to_thread(self._screening.show, time)
+        except CaptureError as refusal:
+            await self._websocket.send_text(_refused(refusal))
+            return
+        await self._websocket.send_text(snapshot_text(snapshot.model_dump_json()))

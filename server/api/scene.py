@@ -1,0 +1,52 @@
+"""`/scene`: what of the live mission's scene is drawn, and from where it is looked at; for all browsers alike."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.api.problem_json import responses
+from server.api.services import ServicesDep
+from server.scene import CAMERAS, CameraName, Scene
+from sim.errors import ConfigError
+
+router = APIRouter(prefix="/scene", tags=["mission"])
+
+
+class SceneView(BaseModel):
+    """How the live scene is shown."""
+
+    camera: CameraName = Field(description="The preset that all browsers were taken to last")
+    cameras: list[CameraName] = Field(description="The presets that there are")
+    layers: dict[str, bool] = Field(description="Whether each layer is drawn", examples=[{"trails": True}])
+
+
+class SceneChange(BaseModel):
+    """What to change of it; the rest stays."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"camera": "top"}]})
+
+    camera: CameraName | None = None
+    layers: dict[str, bool] = Field(default_factory=dict, examples=[{"trails": False, "frames": True}])
+
+
+@router.get("")
+async def scene(services: ServicesDep) -> SceneView:
+    """Camera and layers of the live scene."""
+    return _view(services.scene)
+
+
+@router.patch("", responses=responses(422))
+async def change_scene(services: ServicesDep, body: SceneChange) -> SceneView:
+    """Take all browsers to a camera, and show or hide layers."""
+    try:
+        await asyncio.to_thread(services.scene.arrange, body.camera, body.layers)
+    except ValueError as error:
+        raise ConfigError(f"layers: {error}", tip="GET /api/v1/scene lists them") from None
+    return _view(services.scene)
+
+
+def _view(scene: Scene) -> SceneView:
+    return SceneView(camera=scene.camera, cameras=list(CAMERAS), layers=scene.layers)
