@@ -17,6 +17,8 @@ import type {
   Run,
   RunPage,
   RunsQuery,
+  SceneChange,
+  SceneView,
   Session,
   StudyDetail,
   StudyPage,
@@ -86,6 +88,11 @@ export const readConfigurationSchema = (): Promise<ConfigurationSchema> =>
 
 export const readNamedConfigurations = (): Promise<NamedConfiguration[]> =>
   bodyOf(client.GET("/api/v1/configurations", within(ANSWER_TIME)));
+
+export const readScene = (): Promise<SceneView> => bodyOf(client.GET("/api/v1/scene", within(ANSWER_TIME)));
+
+export const changeScene = (change: SceneChange): Promise<SceneView> =>
+  bodyOf(client.PATCH("/api/v1/scene", { body: change, ...within(ANSWER_TIME) }));
 
 export const readHistory = (since: number): Promise<History> =>
   bodyOf(client.GET("/api/v1/mission/history", { params: { query: { since } }, ...within(ANSWER_TIME) }));

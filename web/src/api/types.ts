@@ -17,6 +17,8 @@ export type CommandAnswer = Answer<paths["/api/v1/mission/commands"]["post"]>;
 export type MissionConfiguration = Answer<paths["/api/v1/mission/config"]["get"]>;
 export type ConfigurationSchema = Answer<paths["/api/v1/mission/config/schema"]["get"]>;
 export type NamedConfiguration = Answer<paths["/api/v1/configurations"]["get"]>[number];
+export type SceneView = Answer<paths["/api/v1/scene"]["get"]>;
+export type SceneChange = Request<paths["/api/v1/scene"]["patch"]>;
 export type History = Answer<paths["/api/v1/mission/history"]["get"]>;
 export type MissionEvent = Answer<paths["/api/v1/runs/{run_id}/events"]["get"]>[number];
 

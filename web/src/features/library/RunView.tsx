@@ -1,6 +1,6 @@
 /** One run of the library: how it ended, its plots and events, what people say of it, its log. */
-import { ActionIcon, Button, Textarea, TextInput } from "@mantine/core";
-import { useState } from "react";
+import { ActionIcon, Button, Checkbox, Textarea, TextInput } from "@mantine/core";
+import { useState, useSyncExternalStore } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
@@ -13,6 +13,8 @@ import { clock, fixed, parsed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
 import { EventLog } from "../events/EventLog";
 import { PlotPanel } from "../plots/PlotPanel";
+import { Player } from "../replay/player";
+import { ReplayPanel } from "../replay/ReplayPanel";
 import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
 import styles from "./LibraryPage.module.css";
@@ -83,9 +85,11 @@ function Facts({ run }: { readonly run: Run }) {
 }
 
 /** Makes a moment of this run the live mission, paused, as a run of its own. */
-function Fork({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
-  const [time, setTime] = useState("");
+function Fork({ run, doing, player }: { readonly run: Run; readonly doing: Doing; readonly player: Player }) {
+  const [typed, setTyped] = useState<string | null>(null);
+  const { time: shown } = useSyncExternalStore(player.subscribe, player.read);
   const reason = useReasonByRole("operator");
+  const time = typed ?? fixed(shown, 3);
   const moment = parsed(time);
   const sound = moment !== null && moment > 0 && moment <= run.duration;
   const fork = () =>
@@ -98,7 +102,7 @@ function Fork({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
     <Panel title="Go on from a moment">
       <div className={styles.writing}>
         <p className={styles.why}>Puts the mission where this run was, paused: change parameters, then run. It becomes a run of its own.</p>
-        <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTime(event.currentTarget.value); }} />
+        <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTyped(event.currentTarget.value); }} />
         <Button disabled={!sound || reason !== null} title={reason ?? undefined} onClick={() => void fork()}>
           Fork there
         </Button>
@@ -107,11 +111,22 @@ function Fork({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
   );
 }
 
-function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+/** A moment that the replay goes to when it is pressed. */
+function Moment({ time, player }: { readonly time: number; readonly player: Player }) {
+  return (
+    <Button size="compact-xs" onClick={() => { player.seek(time); }}>
+      {`at ${clock(time)}`}
+    </Button>
+  );
+}
+
+function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doing; readonly player: Player }) {
   const [text, setText] = useState("");
+  const [atMoment, setAtMoment] = useState(false);
+  const { time } = useSyncExternalStore(player.subscribe, player.read);
   const add = () =>
     doing(async () => {
-      await remarkRun(run.id, { notes: [...run.notes, { text: text.trim() }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
+      await remarkRun(run.id, { notes: [...run.notes, { text: text.trim(), ...(atMoment ? { time } : {}) }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
       setText("");
     });
   const remove = (place: number) => doing(() => remarkRun(run.id, { notes: run.notes.filter((_, at) => at !== place) }));
@@ -121,7 +136,8 @@ function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
         {run.notes.map((note, place) => (
           <li key={`${note.at} ${note.text}`}>
             <p>{note.text}</p>
-            <small>{`${note.who}${typeof note.time === "number" ? ` at ${clock(note.time, 2)}` : ""}`}</small>
+            <small>{note.who}</small>
+            {typeof note.time === "number" && <Moment time={note.time} player={player} />}
             <Button size="compact-xs" aria-label={`Remove the note: ${note.text}`} onClick={() => void remove(place)}>
               Remove
             </Button>
@@ -130,6 +146,7 @@ function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
       </ul>
       <div className={styles.writing}>
         <Textarea aria-label="A note on this run" placeholder="What is worth knowing about this run" size="xs" rows={2} value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
+        <Checkbox size="xs" label={`At the moment shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />
         <Button disabled={text.trim() === ""} onClick={() => void add()}>
           Add note
         </Button>
@@ -141,6 +158,7 @@ function Notes({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
 export function RunView({ recording: { run, store }, onChange }: { readonly recording: Recording; readonly onChange: () => void }) {
   const { doing: asked, refusal } = useDoing();
   const doing: Doing = (work) => asked(() => work().then(onChange));
+  const [player] = useState(() => new Player(run.duration, run.config.control.period));
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
       <Head run={run} doing={doing} />
@@ -151,8 +169,9 @@ export function RunView({ recording: { run, store }, onChange }: { readonly reco
             <p className={styles.hint}>Nothing has been recorded yet.</p>
           ) : (
             <StoreContext value={store}>
+              <ReplayPanel run={run.id} end={run.duration} player={player} />
               <div className={styles.plots}>
-                <PlotPanel recorded />
+                <PlotPanel player={player} />
               </div>
               <EventLog recorded />
             </StoreContext>
@@ -164,8 +183,8 @@ export function RunView({ recording: { run, store }, onChange }: { readonly reco
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <Facts run={run} />
           </Panel>
-          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} doing={doing} />}
-          <Notes run={run} doing={doing} />
+          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} doing={doing} player={player} />}
+          <Notes run={run} doing={doing} player={player} />
         </div>
       </div>
     </section>

@@ -6,6 +6,7 @@ import { Panel } from "../../app/Panel";
 import { useKept } from "../../app/preferences";
 import { useStore } from "../../store/context";
 import { Icon } from "../../theme/Icon";
+import type { Player } from "../replay/player";
 import type { ChartEvents } from "./chart";
 import { Plot } from "./Plot";
 import styles from "./PlotPanel.module.css";
@@ -65,8 +66,9 @@ function Tools({ view, change, now, recorded }: ToolsProps) {
   );
 }
 
-/** Of a mission that flies, or of a recording: then the whole of it, which nothing moves on. */
-export function PlotPanel({ recorded = false }: { readonly recorded?: boolean }) {
+/** Of a mission that flies, or of a recording with its player: then the whole of it, which nothing moves on. */
+export function PlotPanel({ player = null }: { readonly player?: Player | null }) {
+  const recorded = player !== null;
   const { series } = useStore();
   const [view, setView] = useState<TimeView>(recorded ? { ...FOLLOW, window: 0 } : FOLLOW);
   const [pair, setPair] = useKept<keyof typeof PAIRS>("becalm-plots", "contact", ["contact", "robot"]);
@@ -75,7 +77,7 @@ export function PlotPanel({ recorded = false }: { readonly recorded?: boolean })
   const lowest = plots.length - (wide ? 2 : 1);
   const time = useRef<HTMLSpanElement>(null);
   const now = (): number => Math.max(0, series.at("time", series.length - 1) || 0);
-  const { register, touch } = useDrawing(view, time);
+  const { register, touch } = useDrawing(view, time, player);
 
   const events = useMemo<ChartEvents>(() => {
     const latest = (): number => series.at("time", series.length - 1) || 0;
@@ -89,9 +91,12 @@ export function PlotPanel({ recorded = false }: { readonly recorded?: boolean })
       wheel: (moment, factor) => {
         setView((old) => ({ ...old, zoomed: zoomedAbout(rangeOf(old, latest(), series.firstMotion), moment, factor) }));
       },
+      moment: (moment) => {
+        player?.seek(moment);
+      },
       cursor: touch,
     };
-  }, [series, touch]);
+  }, [series, touch, player]);
 
   const aside = (
     <>

@@ -4,7 +4,7 @@ import type { Touch } from "../../api/types";
 import type { Series } from "../../store/series";
 import type { CanvasColours } from "../../theme/canvas";
 import { fixed, type Shown } from "../../units/units";
-import { drawLevels, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
+import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import type { PlotDefinition } from "./plot-set";
 import type { Range } from "./timeview";
 
@@ -21,6 +21,8 @@ export interface ChartEvents {
   readonly follow: () => void;
   /** The wheel was turned at a moment; a factor above 1 shows more. */
   readonly wheel: (moment: number, factor: number) => void;
+  /** A moment was clicked. */
+  readonly moment: (time: number) => void;
   /** The cursor has moved. */
   readonly cursor: () => void;
 }
@@ -112,6 +114,7 @@ export class Chart {
             drawLevels(plot, this.decorations);
             drawTouches(plot, this.decorations);
             if (this.definition.peaks) drawPeaks(plot, this.decorations);
+            drawMoment(plot, this.decorations);
           },
         ],
         setCursor: [
@@ -135,7 +138,10 @@ export class Chart {
 
   private selected(plot: uPlot, events: ChartEvents): void {
     const { left, width } = plot.select;
-    if (width < 4) return;
+    if (width < 4) {
+      events.moment(plot.posToVal(left, "x"));
+      return;
+    }
     events.select(plot.posToVal(left, "x"), plot.posToVal(left + width, "x"));
     plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }

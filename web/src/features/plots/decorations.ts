@@ -21,6 +21,8 @@ export interface Decorations {
   /** In the unit of the plot's axis. */
   readonly levels: readonly Level[];
   readonly colours: CanvasColours;
+  /** The moment that a replay shows; null without one. */
+  readonly moment: number | null;
 }
 
 const FONT = "11px Inter, sans-serif";
@@ -125,5 +127,18 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
     ctx.globalAlpha = 1;
     ctx.fillText(`${touch.arm === "left" ? "L" : "R"}${touch.planned ? "" : "!"}`, left + 4 * ratio, bottom - 5 * ratio);
   }
+  ctx.restore();
+}
+
+/** In front: the moment that the replay shows. */
+export function drawMoment(plot: uPlot, { moment, colours }: Decorations): void {
+  if (moment === null) return;
+  const { ctx, bbox } = plot;
+  const ratio = pixelRatio(plot);
+  const x = plot.valToPos(moment, "x", true);
+  if (x < bbox.left || x > bbox.left + bbox.width) return;
+  ctx.save();
+  ctx.fillStyle = colours.of("calm");
+  ctx.fillRect(x - ratio, bbox.top, 2 * ratio, bbox.height);
   ctx.restore();
 }

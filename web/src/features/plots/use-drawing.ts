@@ -4,6 +4,7 @@ import { useConfiguration } from "../../store/configuration";
 import { useStore } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
 import { clock } from "../../units/units";
+import type { Player } from "../replay/player";
 import { Pace } from "./pace";
 import type { DrawPlot, PlotFrame } from "./Plot";
 import type { Known } from "./plot-set";
@@ -16,7 +17,7 @@ interface Drawing {
   readonly touch: () => void;
 }
 
-function frameOf(store: MissionStore, view: TimeView, config: Known["config"]): PlotFrame {
+function frameOf(store: MissionStore, view: TimeView, config: Known["config"], player: Player | null): PlotFrame {
   const { series } = store;
   const { snapshot } = store.read();
   const now = series.at("time", series.length - 1) || 0;
@@ -24,12 +25,12 @@ function frameOf(store: MissionStore, view: TimeView, config: Known["config"]): 
     series,
     range: rangeOf(view, now, series.firstMotion),
     known: { snapshot, config },
-    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches },
+    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches, moment: player?.read().time ?? null },
   };
 }
 
-/** @param time shows the mission time under the cursor. */
-export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>): Drawing {
+/** @param time shows the mission time under the cursor; @param player of a replay. */
+export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, player: Player | null): Drawing {
   const store = useStore();
   const config = useConfiguration().inForce?.config ?? null;
   const draws = useRef(new Set<DrawPlot>());
@@ -47,17 +48,21 @@ export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>):
       const begun = performance.now();
       dirty.current = false;
       drawn = store.series.version;
-      const content = frameOf(store, view, config);
+      const content = frameOf(store, view, config, player);
       let row: number | null = null;
       for (const draw of draws.current) row = draw(content) ?? row;
       if (time.current) time.current.textContent = row === null ? "" : `at ${clock(store.series.at("time", row))}`;
       pace.drew(now, performance.now() - begun);
     };
     request = requestAnimationFrame(frame);
+    const withdraw = player?.subscribe(() => {
+      dirty.current = true;
+    });
     return () => {
+      withdraw?.();
       cancelAnimationFrame(request);
     };
-  }, [store, view, config, time]);
+  }, [store, view, config, time, player]);
 
   const touch = useCallback(() => {
     dirty.current = true;

@@ -1,16 +1,33 @@
 /** The 3D view, served by the same service; keys pressed in it reach STOP too. */
 import { ActionIcon, Tooltip } from "@mantine/core";
-import { useState } from "react";
-import { useKept } from "../../app/preferences";
+import { useEffect, useState } from "react";
+import { changeScene, readScene } from "../../api/service";
+import type { SceneView } from "../../api/types";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
+import { useReasonByRole } from "../access/session";
 import { useStopKey } from "../commands/stop-key";
+import { sceneAddress, useDetail, type Detail } from "./detail";
+import { SceneChoices } from "./SceneChoices";
 import styles from "./ScenePanel.module.css";
 
-/** `light` draws a quarter of the pixels. */
-type Detail = "full" | "light";
+/** How the live scene stands, read with each connection; it is the same for all browsers. */
+function useLiveArrangement(connection: number): SceneView | null {
+  const [arrangement, setArrangement] = useState<SceneView | null>(null);
+  useEffect(() => {
+    // Without an answer there are no choices to show; the next connection asks again.
+    if (connection > 0) readScene().then(setArrangement, () => undefined);
+  }, [connection]);
+  return arrangement;
+}
 
-const ADDRESSES: Readonly<Record<Detail, string>> = { full: "/scene/", light: "/scene/?fixedDpr=0.5" };
+function LiveChoices({ connection }: { readonly connection: number }) {
+  const arrangement = useLiveArrangement(connection);
+  const against = useReasonByRole("operator");
+  if (arrangement === null) return null;
+  // What the service refuses is shown by the scene staying as it is.
+  return <SceneChoices view={arrangement} against={against} onChange={(change) => void changeScene(change).catch(() => undefined)} />;
+}
 
 interface DetailSwitchProps {
   readonly detail: Detail;
@@ -47,7 +64,7 @@ export function ScenePanel() {
   // The view does not find its way back to a service that was away; with each new connection it is loaded anew.
   const connection = useView((view) => view.connections);
   const preparing = useView((view) => view.trust === "preparing");
-  const [detail, setDetail] = useKept<Detail>("becalm-scene", "full", ["full", "light"]);
+  const { detail, choose } = useDetail();
   useStopKey(loaded);
 
   return (
@@ -55,7 +72,7 @@ export function ScenePanel() {
       {begun && (
         <iframe
           key={connection}
-          src={ADDRESSES[detail]}
+          src={sceneAddress("/scene/", detail)}
           title="3D view of robot and target"
           className={styles.frame}
           onLoad={(event) => {
@@ -68,7 +85,8 @@ export function ScenePanel() {
           {preparing ? "The scene appears when the controller is ready." : "The scene appears when the service answers."}
         </p>
       )}
-      {begun && <DetailSwitch detail={detail} choose={setDetail} />}
+      {begun && <LiveChoices key={connection} connection={connection} />}
+      {begun && <DetailSwitch detail={detail} choose={choose} />}
       {begun && old && <div className={styles.veil} aria-hidden="true" />}
     </section>
   );

@@ -1,0 +1,133 @@
+"""A recorded run watched again: every moment as it was published, in a scene of its own, bounded and private."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+import httpx
+import pytest
+import viser
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
+
+from server import playbacks
+
+PATIENCE = 60.0
+
+
+async def _recorded(served) -> dict:
+    """A scripted run that has ended."""
+    async with httpx.AsyncClient(base_url=served.api, timeout=PATIENCE) as http, asyncio.timeout(PATIENCE):
+        run = (await http.post("/runs", json={"direct": True})).json()
+        while run["status"] not in ("finished", "failed"):
+            await asyncio.sleep(0.05)
+            run = (await http.get(f"/runs/{run['id']}")).json()
+    assert run["status"] == "finished"
+    return run
+
+
+def _watching(served, run_id: str):
+    return connect(f"ws://127.0.0.1:{served.port}/api/v1/runs/{run_id}/playback", max_size=None)
+
+
+async def _next(socket) -> dict:
+    async with asyncio.timeout(PATIENCE):
+        return json.loads(await socket.recv())
+
+
+async def _shown(socket, time: float) -> dict:
+    await socket.send(json.dumps({"type": "show", "time": time}))
+    return await _next(socket)
+
+
+async def test_any_moment_is_shown_and_told(served):
+    run = await _recorded(served)
+    async with _watching(served, run["id"]) as watcher:
+        opened = await _next(watcher)
+        assert opened["end"] == pytest.approx(run["duration"])
+        late, early = [await _shown(watcher, time) for time in (opened["end"], 0.5)]
+    assert late["outcome"] == run["outcome"]
+    assert (early["type"], early["tick"], early["outcome"]) == ("snapshot", 500, None)
+    assert early["run_id"] == run["id"]
+
+
+async def test_its_scene_is_served_as_long_as_somebody_watches(served):
+    run = await _recorded(served)
+    root = f"http://127.0.0.1:{served.port}"
+    async with httpx.AsyncClient() as http:
+        async with _watching(served, run["id"]) as watcher:
+            scene = (await _next(watcher))["scene"]
+            page = await http.get(root + scene)
+            assert (page.status_code, "<canvas" in page.text or "<script" in page.text) == (200, True)
+            address = f"ws://127.0.0.1:{served.port}{scene.rstrip('/')}"
+            protocol = f"viser-v{viser.__version__}"
+            async with connect(address, subprotocols=[protocol], max_size=None, compression=None) as browser:
+                async with asyncio.timeout(PATIENCE):
+                    assert await browser.recv()
+        async with asyncio.timeout(PATIENCE):
+            while (await http.get(root + scene)).status_code != 404:
+                await asyncio.sleep(0.02)
+
+
+async def test_camera_and_layers_are_its_own(served):
+    run = await _recorded(served)
+    async with _watching(served, run["id"]) as watcher, httpx.AsyncClient(base_url=served.api) as http:
+        await _next(watcher)
+        await watcher.send(json.dumps({"type": "arrange", "camera": "top", "layers": {"trails": False}}))
+        await _shown(watcher, 1.0)
+        live = (await http.get("/scene")).json()
+    assert (live["camera"], live["layers"]["trails"]) == ("perspective", True)
+
+
+@pytest.mark.parametrize(
+    ("message", "named"),
+    [
+        ('{"type":"show","time":-1}', "time"),
+        ('{"type":"show","time":1e999}', "time"),
+        ('{"type":"dance"}', "dance"),
+        ("[]", "object"),
+        ('{"type":"arrange","layers":{"stars":true}}', "stars"),
+    ],
+)
+async def test_what_is_no_message_is_told_and_the_watching_goes_on(served, message, named):
+    run = await _recorded(served)
+    async with _watching(served, run["id"]) as watcher:
+        await _next(watcher)
+        await watcher.send(message)
+        answer = await _next(watcher)
+        assert answer["type"] == "invalid"
+        assert named in answer["detail"]
+        assert (await _shown(watcher, 0.5))["tick"] == 500
+
+
+async def test_a_run_that_is_none_is_refused_with_a_reason(served):
+    async with _watching(served, "20260101T000000000-abcdef") as watcher:
+        refused = await _next(watcher)
+        assert (refused["type"], refused["problem"]["status"]) == ("refused", 404)
+        with pytest.raises(ConnectionClosed):
+            await watcher.recv()
+
+
+async def test_only_so_many_at_once(served, monkeypatch):
+    monkeypatch.setattr(playbacks, "AT_ONCE", 1)
+    run = await _recorded(served)
+    async with _watching(served, run["id"]) as watcher:
+        await _next(watcher)
+        async with _watching(served, run["id"]) as second:
+            assert (await _next(second))["problem"]["status"] == 503
+    async with asyncio.timeout(PATIENCE):
+        while True:
+            async with _watching(served, run["id"]) as again:
+                if (await _next(again))["type"] == "opened":
+                    break
+
+
+async def test_the_live_scene_is_arranged_over_rest(console):
+    changed = await console.http.patch("/scene", json={"camera": "top", "layers": {"frames": True}})
+    assert changed.status_code == 200
+    assert (await console.http.get("/scene")).json() == changed.json()
+    assert (changed.json()["camera"], changed.json()["layers"]["frames"]) == ("top", True)
+    refused = await console.http.patch("/scene", json={"layers": {"stars": True}})
+    assert refused.status_code == 422
+    assert "stars" in refused.json()["detail"]

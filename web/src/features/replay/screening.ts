@@ -1,0 +1,70 @@
+/** A recorded run at the service: moments asked for, snapshots told, and the address of its scene. */
+import type { MissionSnapshot, SceneChange, SceneView } from "../../api/types";
+
+export interface Opened extends SceneView {
+  /** Address of the page. */
+  readonly scene: string;
+  readonly end: number;
+}
+
+type Frame =
+  | ({ type: "opened" } & Opened)
+  | ({ type: "snapshot" } & MissionSnapshot)
+  | { type: "refused"; problem: { detail: string; tip: string } }
+  | { type: "invalid"; detail: string };
+
+export interface ScreeningEvents {
+  readonly opened: (opened: Opened) => void;
+  readonly snapshot: (snapshot: MissionSnapshot) => void;
+  /** It cannot be shown, or not any more, and why. */
+  readonly ended: (why: string) => void;
+}
+
+export class Screening {
+  private readonly socket: WebSocket;
+  private wanted: number | null = null;
+  private waiting = true;
+  private refusal = "";
+
+  constructor(run: string, events: ScreeningEvents) {
+    const address = new URL(`/api/v1/runs/${encodeURIComponent(run)}/playback`, window.location.href);
+    address.protocol = address.protocol.replace("http", "ws");
+    this.socket = new WebSocket(address);
+    this.socket.onmessage = (message) => {
+      this.take(JSON.parse(String(message.data)) as Frame, events);
+    };
+    this.socket.onclose = () => {
+      events.ended(this.refusal || "The connection to the service is lost; open the run again.");
+    };
+  }
+
+  /** Asks for a moment [s]; while one is on its way only the last wish is kept. */
+  show(time: number): void {
+    this.wanted = time;
+    this.ask();
+  }
+
+  arrange(change: SceneChange): void {
+    this.socket.send(JSON.stringify({ type: "arrange", ...change }));
+  }
+
+  close(): void {
+    this.socket.onclose = this.socket.onmessage = null;
+    this.socket.close();
+  }
+
+  private ask(): void {
+    if (this.waiting || this.wanted === null) return;
+    this.waiting = true;
+    this.socket.send(JSON.stringify({ type: "show", time: this.wanted }));
+    this.wanted = null;
+  }
+
+  private take(frame: Frame, events: ScreeningEvents): void {
+    if (frame.type === "refused") this.refusal = `${frame.problem.detail}. ${frame.problem.tip}`;
+    if (frame.type === "opened") events.opened(frame);
+    if (frame.type === "snapshot") events.snapshot(frame);
+    this.waiting = false;
+    this.ask();
+  }
+}

@@ -1,0 +1,53 @@
+/** From where a scene is looked at, and which of its layers are drawn. */
+import { Button, Checkbox, Popover, SegmentedControl } from "@mantine/core";
+import { useState } from "react";
+import type { SceneChange, SceneView } from "../../api/types";
+import styles from "./ScenePanel.module.css";
+
+type Camera = SceneView["camera"];
+
+interface SceneChoicesProps {
+  readonly view: SceneView;
+  readonly onChange: (change: SceneChange) => void;
+  /** Why it may not be changed; null if it may. */
+  readonly against: string | null;
+}
+
+const CAMERA_WORDS: Readonly<Record<Camera, string>> = { perspective: "All", top: "Top", follow: "Follow", hand: "Hand" };
+
+export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
+  // What was chosen here since the service told how the scene stands.
+  const [chosen, setChosen] = useState<SceneChange>({});
+  const layers = { ...view.layers, ...chosen.layers };
+  const change = (next: SceneChange): void => {
+    setChosen((before) => ({ ...before, ...next, layers: { ...before.layers, ...next.layers } }));
+    onChange(next);
+  };
+  return (
+    <div className={styles.choices} title={against ?? undefined}>
+      <SegmentedControl
+        aria-label="Camera"
+        size="xs"
+        disabled={against !== null}
+        value={chosen.camera ?? view.camera}
+        data={view.cameras.map((name) => ({ value: name, label: CAMERA_WORDS[name] }))}
+        onChange={(camera) => { change({ camera }); }}
+      />
+      <Popover position="bottom-end" trapFocus>
+        <Popover.Target>
+          <Button size="compact-xs" disabled={against !== null}>
+            Layers
+          </Button>
+        </Popover.Target>
+        <Popover.Dropdown>
+          <fieldset className={styles.layers}>
+            <legend>Layers</legend>
+            {Object.entries(layers).map(([layer, drawn]) => (
+              <Checkbox key={layer} size="xs" label={layer} checked={drawn} onChange={(event) => { change({ layers: { [layer]: event.currentTarget.checked } }); }} />
+            ))}
+          </fieldset>
+        </Popover.Dropdown>
+      </Popover>
+    </div>
+  );
+}
