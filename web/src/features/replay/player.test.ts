@@ -32,7 +32,8 @@ describe("the clock of a replay", () => {
     clock.seek(1.0004);
     clock.play();
     clock.step(1);
-    expect(clock.read()).toMatchObject({ time: 1.001, playing: false });
+    expect(clock.read().time).toBeCloseTo(1.001, 9);
+    expect(clock.read().playing).toBe(false);
     clock.step(-5000);
     expect(clock.read().time).toBe(0);
   });
