@@ -15,6 +15,7 @@ import "@mantine/core/styles/Checkbox.css";
 import "@mantine/core/styles/Switch.css";
 import "@mantine/core/styles/PasswordInput.css";
 import "@mantine/core/styles/Progress.css";
+import "@mantine/core/styles/Slider.css";
 import "uplot/dist/uPlot.min.css";
 import "./theme/fonts.css";
 import "./theme/tokens.css";

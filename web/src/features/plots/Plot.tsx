@@ -62,7 +62,9 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
       const levels = definition.levels(frame.known).map(({ label, value }) => ({ label, value: value * scale.factor }));
       chart.draw(frame.series, frame.range, { ...frame.decorations, levels, colours });
       const row = chart.cursorRow;
-      showValues(frame.series, row ?? frame.series.length - 1);
+      const { moment } = frame.decorations;
+      const shownRow = moment === null ? frame.series.length - 1 : Math.min(frame.series.rowAt(moment), frame.series.length - 1);
+      showValues(frame.series, row ?? shownRow);
       return row;
     });
     const observer = new ResizeObserver(() => {

@@ -130,6 +130,10 @@ export class Chart {
         ready: [
           (plot) => {
             plot.over.addEventListener("dblclick", events.follow);
+            // The click at the end of a drag is held back by uPlot itself.
+            plot.over.addEventListener("click", (event) => {
+              events.moment(plot.posToVal(event.offsetX, "x"));
+            });
           },
         ],
       },
@@ -138,10 +142,7 @@ export class Chart {
 
   private selected(plot: uPlot, events: ChartEvents): void {
     const { left, width } = plot.select;
-    if (width < 4) {
-      events.moment(plot.posToVal(left, "x"));
-      return;
-    }
+    if (width < 4) return;
     events.select(plot.posToVal(left, "x"), plot.posToVal(left + width, "x"));
     plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }

@@ -5,6 +5,7 @@ import type { MissionSnapshot } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { clock, fixed, MILLIMETRES_PER_SECOND, shown } from "../../units/units";
 import { usePreferences } from "../../app/preferences";
+import { useStopKey } from "../commands/stop-key";
 import { SceneChoices } from "../scene/SceneChoices";
 import { sceneAddress, useDetail } from "../scene/detail";
 import { SPEEDS, type Player } from "./player";
@@ -126,6 +127,8 @@ function Transport({ player, end }: { readonly player: Player; readonly end: num
 export function ReplayPanel({ run, end, player }: { readonly run: string; readonly end: number; readonly player: Player }) {
   const { opened, snapshot, ended, screening } = useScreening(run, player);
   const { detail } = useDetail();
+  const [loaded, setLoaded] = useState<{ readonly window: Window | null } | null>(null);
+  useStopKey(loaded);
   useFrames(player);
   useEffect(() => {
     player.extend(end);
@@ -133,7 +136,14 @@ export function ReplayPanel({ run, end, player }: { readonly run: string; readon
   return (
     <section className={styles.replay} aria-label="Replay in the scene">
       <div className={styles.scene}>
-        {opened !== null && ended === null && <iframe className={styles.frame} src={sceneAddress(opened.scene, detail)} title="3D view of the recorded run" />}
+        {opened !== null && ended === null && (
+          <iframe
+            className={styles.frame}
+            src={sceneAddress(opened.scene, detail)}
+            title="3D view of the recorded run"
+            onLoad={(event) => { setLoaded({ window: event.currentTarget.contentWindow }); }}
+          />
+        )}
         {ended !== null && <p role="alert">{ended}</p>}
         {opened === null && ended === null && <p>Opening the run …</p>}
         {opened !== null && ended === null && (
