@@ -35,6 +35,7 @@ from server.api import (
 )
 from server.api.bodies import JsonBodies
 from server.api.origin import SameOrigin
+from server.api.prefix import ForwardedPrefix
 from server.api.services import Services
 from server.cluster import cluster_workers
 from server.console import serve_console
@@ -131,6 +132,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Guard, access=access)
     app.add_middleware(SameOrigin, hosts=settings.own_hosts())
     app.add_middleware(SecurityHeaders)
+    app.add_middleware(ForwardedPrefix)
     _route(app)
     return app
 

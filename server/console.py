@@ -50,13 +50,13 @@ def serve_console(app: FastAPI, static: Path = STATIC) -> None:
 
 
 async def _docs() -> HTMLResponse:
-    """From files of our own: it works offline."""
+    """From files of our own: it works offline. Relative to this page: it may lie under a path of another site."""
     page = get_swagger_ui_html(
-        openapi_url="/openapi.json",
+        openapi_url="openapi.json",
         title="Becalm API",
-        swagger_js_url="/swagger/swagger-ui-bundle.js",
-        swagger_css_url="/swagger/swagger-ui.css",
-        swagger_favicon_url="/favicon.svg",
+        swagger_js_url="swagger/swagger-ui-bundle.js",
+        swagger_css_url="swagger/swagger-ui.css",
+        swagger_favicon_url="favicon.svg",
     )
     scripts = inline_scripts(bytes(page.body))
     page.headers["Content-Security-Policy"] = content_policy(f"script-src 'self' {scripts}")

@@ -22,6 +22,8 @@ function swaggerUi(): Plugin {
 
 export default defineConfig({
   plugins: [react(), swaggerUi()],
+  // Relative: the console may lie under a path of another site (src/api/address.ts).
+  base: "./",
   build: {
     outDir: "../server/static",
     emptyOutDir: true,

@@ -1,16 +1,13 @@
-"""The nginx configuration that we ship, with a real nginx in front of a real console; skipped without one."""
+"""The nginx configurations that we ship, with a real nginx in front of a real console; skipped without one."""
 
 from __future__ import annotations
 
 import json
-import shutil
 import socket
 import ssl
-import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import httpx
 import pytest
@@ -19,93 +16,68 @@ import websockets.sync.client
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 from server.settings import Settings
-from tests.deploy.ports import free_port
+from tests.deploy.nginx import PATIENCE, needs_nginx, site
 
-CONFIGURATION = Path(__file__).parents[2] / "deploy" / "nginx" / "becalm.conf"
-HOST = "becalm.lab.example"
-PATIENCE = 60.0
+pytestmark = needs_nginx
 
-pytestmark = pytest.mark.skipif(
-    not (shutil.which("nginx") and shutil.which("openssl")), reason="needs nginx and openssl"
-)
+SITES = {"becalm.conf": ("becalm.lab.example", ""), "becalm-under-a-path.conf": ("lab.example", "/becalm")}
+"""Each configuration's host, and the path at which it shows the console."""
 
 
-@pytest.fixture
-def certificate(tmp_path):
-    """A certificate for the host of the configuration, and its key."""
-    pair = (tmp_path / "becalm.pem", tmp_path / "becalm.key")
-    subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
-         "-subj", f"/CN={HOST}", "-addext", f"subjectAltName=DNS:{HOST},IP:127.0.0.1",
-         "-out", pair[0], "-keyout", pair[1]], check=True, capture_output=True,
-    )  # fmt: skip
-    return pair
+class Proxied:
+    """A console with tokens behind nginx, as a browser on its page reaches it."""
+
+    def __init__(self, host: str, path: str, port: int, trust: ssl.SSLContext, token: str) -> None:
+        self.path = path
+        self.port = port
+        self.host = host
+        self.trust = trust
+        self.token = token
+        self.headers = {"Host": f"{host}:{port}", "Origin": f"https://{host}:{port}"}
+
+    def http(self) -> httpx.Client:
+        base = f"https://127.0.0.1:{self.port}{self.path}"
+        return httpx.Client(base_url=base, verify=self.trust, headers=self.headers, timeout=PATIENCE)
+
+    def websocket(self, path: str, headers: dict[str, str]) -> websockets.sync.client.ClientConnection:
+        """By the name of the proxy's host, which no name server knows."""
+        return websockets.sync.client.connect(
+            f"wss://{self.headers['Host']}{self.path}{path}",
+            sock=socket.create_connection(("127.0.0.1", self.port)),
+            ssl=self.trust,
+            server_hostname=self.host,
+            origin=headers["Origin"],
+            additional_headers={"Cookie": headers["Cookie"]},
+            open_timeout=PATIENCE,
+            proxy=None,
+        )
 
 
-@pytest.fixture
-def proxied(tmp_path, certificate, serving):
-    """A console with tokens behind nginx: the port of nginx, and an operator's token."""
-    token = TokenStore(tmp_path / "data" / "access").create("ana", Role.OPERATOR)
-    settings = Settings(data_dir=tmp_path / "data", require_tokens=True, allowed_hosts=(HOST,))
-    port = free_port()
-    with serving(settings) as console:
-        changes = {
-            "listen 443": f"listen 127.0.0.1:{port}",
-            "http://127.0.0.1:8000": f"http://127.0.0.1:{console.port}",
-            "/etc/ssl/becalm.pem": str(certificate[0]),
-            "/etc/ssl/private/becalm.key": str(certificate[1]),
-        }
-        text = CONFIGURATION.read_text()
-        for ours, theirs in changes.items():
-            assert text.count(ours) == 1
-            text = text.replace(ours, theirs)
-        with _nginx(tmp_path, text, port):
-            yield port, token
+@pytest.fixture(params=SITES)
+def proxied(request, tmp_path, serving) -> Iterator[Proxied]:
+    with _proxied(request.param, tmp_path, serving) as behind:
+        yield behind
 
 
 @contextmanager
-def _nginx(folder: Path, http: str, port: int) -> Iterator[None]:
-    """nginx with this in its `http` block, once it listens."""
-    kinds = ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
-    own = " ".join(f"{kind}_temp_path {folder}/{kind};" for kind in kinds)
-    configuration = folder / "nginx.conf"
-    configuration.write_text(
-        f"daemon off; pid {folder}/nginx.pid; events {{}}\nhttp {{ access_log off; {own}\n{http} }}\n"
-    )
-    with subprocess.Popen(["nginx", "-e", str(folder / "error.log"), "-c", str(configuration)]) as process:
-        try:
-            deadline = time.monotonic() + PATIENCE
-            while not _listens(port):
-                assert process.poll() is None, (folder / "error.log").read_text()
-                assert time.monotonic() < deadline
-                time.sleep(0.05)
-            yield
-        finally:
-            process.terminate()
+def _proxied(configuration, folder, serving) -> Iterator[Proxied]:
+    host, path = SITES[configuration]
+    token = TokenStore(folder / "data" / "access").create("ana", Role.OPERATOR)
+    settings = Settings(data_dir=folder / "data", require_tokens=True, allowed_hosts=(host, "127.0.0.1"))
+    with serving(settings) as console, site(folder, configuration, host, console.port) as shown:
+        trust = ssl.create_default_context(cafile=shown.certificate)
+        yield Proxied(host, path, shown.port, trust, token)
 
 
-def _listens(port: int) -> bool:
-    try:
-        socket.create_connection(("127.0.0.1", port)).close()
-    except OSError:
-        return False
-    return True
-
-
-def test_the_console_works_behind_nginx(proxied, certificate):
-    port, token = proxied
-    trust = ssl.create_default_context(cafile=certificate[0])
-    site = f"{HOST}:{port}"
-    own = {"Host": site, "Origin": f"https://{site}"}
-    with httpx.Client(base_url=f"https://127.0.0.1:{port}", verify=trust, headers=own) as http:
+def test_the_console_works_behind_nginx(proxied):
+    with proxied.http() as http:
         assert http.get("/").status_code == 200
         assert http.get("/api/v1/mission").status_code == 401
-        signed_in = http.post("/api/v1/session", json={"token": token})
+        signed_in = http.post("/api/v1/session", json={"token": proxied.token})
         assert signed_in.status_code == 200
-        cookie = signed_in.headers["set-cookie"]
-        assert "Secure" in cookie
-        assert "HttpOnly" in cookie
-        signed = {**own, "Cookie": cookie.partition(";")[0]}
+        cookie, *limits = signed_in.headers["set-cookie"].split("; ")
+        assert {"Secure", "HttpOnly", f"Path={proxied.path or '/'}"} <= set(limits)
+        signed = {**proxied.headers, "Cookie": cookie}
         deadline = time.monotonic() + PATIENCE
         while http.get("/api/v1/health").json()["status"] != "ok":
             assert time.monotonic() < deadline
@@ -114,19 +86,9 @@ def test_the_console_works_behind_nginx(proxied, certificate):
         foreign = {**signed, "Origin": "https://elsewhere.example"}
         assert http.post("/api/v1/mission/stop", headers=foreign).status_code == 403
         assert "viser" in http.get("/scene/", headers=signed).text.lower()
-    with _connected(port, "/api/v1/telemetry", trust, signed) as telemetry:
+        assert http.get("/scene", headers=signed).headers["location"] == f"{proxied.path}/scene/"
+        described = http.get("/openapi.json").json()
+        assert described.get("servers", [{"url": ""}])[0]["url"] == proxied.path
+    with proxied.websocket("/api/v1/telemetry", signed) as telemetry:
         kinds = [json.loads(telemetry.recv(PATIENCE))["type"] for _ in range(3)]
     assert kinds == ["hello", "history", "snapshot"]
-
-
-def _connected(port: int, path: str, trust: ssl.SSLContext, headers: dict[str, str]):
-    """A WebSocket by the name of the proxy's host, which no name server knows."""
-    return websockets.sync.client.connect(
-        f"wss://{headers['Host']}{path}",
-        sock=socket.create_connection(("127.0.0.1", port)),
-        ssl=trust,
-        server_hostname=HOST,
-        origin=headers["Origin"],
-        additional_headers={"Cookie": headers["Cookie"]},
-        proxy=None,
-    )

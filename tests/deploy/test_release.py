@@ -81,7 +81,7 @@ def test_the_wheel_serves_its_console_where_there_is_no_node(wheel, tmp_path):
         try:
             url = re.search(r"http://\S+/", process.stdout.readline())[0]
             page = httpx.get(url, timeout=PATIENCE)
-            script = re.search(r'src="/?(assets/[^"]+\.js)"', page.text)[1]
+            script = re.search(r'src="\./(assets/[^"]+\.js)"', page.text)[1]
             assert page.status_code == httpx.get(url + script, timeout=PATIENCE).status_code == 200
         finally:
             process.kill()

@@ -1,6 +1,7 @@
 /** Every request that the console makes of the service; each returns the body or throws a `Refusal`. */
 import createClient from "openapi-fetch";
 import type { paths } from "../client/schema";
+import { HERE, addressOf } from "./address";
 import { patience } from "./patience";
 import { noAnswer, refusalOf } from "./refusal";
 import type {
@@ -26,7 +27,7 @@ import type {
   StudyRowPage,
 } from "./types";
 
-const client = createClient<paths>({ baseUrl: "" });
+const client = createClient<paths>({ baseUrl: HERE });
 
 const ANSWER_TIME = 5000;
 
@@ -123,7 +124,7 @@ export const deleteRun = (id: string): Promise<null> =>
 
 /** Where a browser downloads the log of a run, also of one in progress. */
 export const logAddress = (id: string, format: "csv" | "parquet" | "mcap"): string =>
-  `/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`;
+  addressOf(`/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`);
 
 export const listStudies = (): Promise<StudyPage> =>
   bodyOf(client.GET("/api/v1/studies", { params: { query: { limit: 100 } }, ...within(ANSWER_TIME) }));
@@ -166,4 +167,4 @@ export const readPublishedTables = (): Promise<PublishedTables> =>
 
 /** Where a browser downloads the table of a study, also of one that flies. */
 export const resultsAddress = (id: string, format: "csv" | "parquet" | "json"): string =>
-  `/api/v1/studies/${encodeURIComponent(id)}/results?format=${format}`;
+  addressOf(`/api/v1/studies/${encodeURIComponent(id)}/results?format=${format}`);

@@ -1,4 +1,5 @@
 import { ActionIcon, SegmentedControl, Tooltip, useMantineColorScheme } from "@mantine/core";
+import { addressOf } from "../api/address";
 import { Identity } from "../features/access/Identity";
 import { StopButton } from "../features/commands/StopButton";
 import { isPhase, PHASE_WORDS } from "../store/phases";
@@ -88,7 +89,7 @@ export function TopBar({ page }: { readonly page: Page }) {
   return (
     <header className={styles.bar}>
       <div className={styles.brand}>
-        <img src="/favicon.svg" alt="" width={24} height={24} />
+        <img src={addressOf("/favicon.svg")} alt="" width={24} height={24} />
         <h1 className={styles.name}>Becalm</h1>
       </div>
       <Pages shown={page} />

@@ -1,4 +1,5 @@
 /** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
+import { socketAddress } from "../api/address";
 import type { History, MissionEvent, MissionSnapshot } from "../api/types";
 import { samplesOfTable, type Sample, type Table } from "../store/quantities";
 import { waitBefore } from "./backoff";
@@ -201,7 +202,5 @@ class Connection {
 
 /** The service's telemetry socket, at up to that many snapshots a second. */
 export function telemetrySocket(rate: number): Socket {
-  const address = new URL(`/api/v1/telemetry?rate=${rate}`, window.location.href);
-  address.protocol = address.protocol.replace("http", "ws");
-  return new WebSocket(address) as Socket;
+  return new WebSocket(socketAddress(`/api/v1/telemetry?rate=${rate}`)) as Socket;
 }

@@ -1,6 +1,7 @@
 /** Asks for a token before anything of the mission is shown. */
 import { Button, PasswordInput } from "@mantine/core";
 import { useState } from "react";
+import { addressOf } from "../../api/address";
 import { Refusal } from "../../api/refusal";
 import { signIn } from "../../api/service";
 import { useAccess } from "./session";
@@ -31,7 +32,7 @@ export function SignIn() {
           void send();
         }}
       >
-        <img src="/favicon.svg" alt="" width={40} height={40} />
+        <img src={addressOf("/favicon.svg")} alt="" width={40} height={40} />
         <h1>Becalm</h1>
         <p>This console is reached from other machines: sign in with your access token.</p>
         <PasswordInput

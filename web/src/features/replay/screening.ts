@@ -1,9 +1,10 @@
 /** A recorded run at the service: moments asked for, snapshots told, and the address of its scene. */
+import { socketAddress } from "../../api/address";
 import type { MissionSnapshot, SceneChange, SceneView } from "../../api/types";
 
 export interface Opened extends SceneView {
-  /** Address of the page. */
-  readonly scene: string;
+  /** The page, a path of the service. */
+  readonly scene: `/${string}`;
   readonly end: number;
 }
 
@@ -27,9 +28,7 @@ export class Screening {
   private refusal = "";
 
   constructor(run: string, events: ScreeningEvents) {
-    const address = new URL(`/api/v1/runs/${encodeURIComponent(run)}/playback`, window.location.href);
-    address.protocol = address.protocol.replace("http", "ws");
-    this.socket = new WebSocket(address);
+    this.socket = new WebSocket(socketAddress(`/api/v1/runs/${encodeURIComponent(run)}/playback`));
     this.socket.onmessage = (message) => {
       this.take(JSON.parse(String(message.data)) as Frame, events);
     };
