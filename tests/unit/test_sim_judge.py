@@ -81,7 +81,7 @@ class Bench:
         return np.array([left, -left])
 
     def outcome(self, cage: Cage = CAGED):
-        return outcome_of(self.notes, self.config, self.state, cage)
+        return outcome_of(self.notes, self.config, float(self.state["target_twist"][2]), cage)
 
 
 class TestTouches:
