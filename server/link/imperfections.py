@@ -54,16 +54,17 @@ class Sensors:
         spread = np.array([imperfections.force_bias, imperfections.force_bias, imperfections.torque_bias])
         self._bias = self._random.normal(0.0, 1.0, (2, 3)) * spread
         self._zero = np.zeros((2, 3))
-        self._angle: FloatArray | None = None
+        self._encoded: JointSample | None = None
         self._readings: list[FloatArray] = []
 
-    def joints(self, stamp: int, state: Record, period: float) -> JointSample:
-        """Encoder angles, and rates as their differences over the period [s]."""
+    def joints(self, stamp: int, state: Record) -> JointSample:
+        """Encoder angles, and rates as their differences since the last reading; zero at the first."""
         step = self._of.encoder_resolution
         angle = np.round(state["joint_angle"] / step) * step if step else state["joint_angle"].copy()
-        before = angle if self._angle is None else self._angle
-        self._angle = angle
-        return JointSample(stamp, angle, (angle - before) / period)
+        before = self._encoded
+        rate = np.zeros((2, 3)) if before is None else (angle - before.angle) / (1e-9 * (stamp - before.stamp))
+        self._encoded = JointSample(stamp, angle, rate)
+        return self._encoded
 
     def wrenches(self, stamp: int, state: Record, hand_angle: FloatArray) -> list[PlaneSample]:
         """Target on hand about the hand's centre, in each hand's axes, with noise and bias, less the taring.

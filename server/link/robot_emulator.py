@@ -34,7 +34,9 @@ GRAVITY = 9.81
 INBOX_CAPACITY = 1000
 """Messages that wait for the thread; the oldest go first."""
 GIVE_UP = 0.25
-"""Lateness beyond which the schedule starts anew [s]."""
+"""Lateness beyond which periods are made up for without a word [s]."""
+MADE_UP = 5.0
+"""The longest hold-up that is made up for [s]."""
 
 log = logging.getLogger(__name__)
 
@@ -191,9 +193,8 @@ class _Robot:
             now = time.monotonic()
             if now > due + GIVE_UP:
                 log.warning("the emulator was held up for %.0f ms", 1e3 * (now - due))
-                due = now
-            elif due > now:
-                time.sleep(due - now)
+                due = self._float_on(due, now)
+            time.sleep(max(0.0, due - time.monotonic()))
             self._late.append(time.monotonic() - due)
             self._turn(self._clock.at(due), time.monotonic())
 
@@ -233,12 +234,24 @@ class _Robot:
         self._gate.check(self._clock.now())  # before what waited: it may be too late for it
         if not hung:
             self._take_all()
-        self._plant.exchange(self._driven(self._applied))
-        self._applied = self._gate.rates(self._clock.now(), self._period).copy()
+        self._move(self._clock.now())
         self._cycle += 1
         if not hung:
             self._measure(stamp)
             self._tell_mode(stamp)
+
+    def _float_on(self, due: float, until: float) -> float:
+        """Make up for periods in which this process was held up: a robot would have moved on, and held in time."""
+        due = max(due, until - MADE_UP)
+        while due < until:
+            self._move(self._clock.at(due))
+            due += self._period
+        return due
+
+    def _move(self, now: int) -> None:
+        """One control period of the plant; then the rates for the next one."""
+        self._plant.exchange(self._driven(self._applied))
+        self._applied = self._gate.rates(now, self._period).copy()
 
     def _driven(self, rates: FloatArray) -> FloatArray:
         """The joint rates that reach the servos."""
@@ -306,7 +319,7 @@ class _Robot:
         if self._cycle % self._capture_every == 0:
             self._see_bodies(stamp)
         # Last: whoever takes a joint state has the wrenches of the same instant already.
-        joints = self._or_frozen("joints", sensors.joints(stamp, state, self._period))
+        joints = self._or_frozen("joints", sensors.joints(stamp, state))
         send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp)))
 
     def _see_bodies(self, stamp: int) -> None:

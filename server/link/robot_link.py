@@ -19,11 +19,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.link import contract, wire
 from server.link.clock import Clock
-from server.link.contract import Channel, RobotMode
+from server.link.contract import Channel
 from server.link.perception import Perception
+from server.link.reports import RobotReports
 from server.link.session import LinkSession, Transport
 from server.link.streams import OtherClock, Stream
-from server.link.wire import Call, Echo, JointCommand, JointSample, PlaneSample, Report
+from server.link.wire import Call, Echo, JointCommand, JointSample, PlaneSample
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -67,6 +68,8 @@ class Answer(NamedTuple):
 
     granted: bool
     reason: str
+    stamp: int
+    """When, by the robot's clock [ns]."""
 
 
 class Stop(NamedTuple):
@@ -101,8 +104,7 @@ class RobotLink:
         self.other_clock = OtherClock()
         self.streams = {channel.key: Stream(channel.rate or 0.0) for channel in contract.STREAMS}
         self.session = ""
-        self.report: Report | None = None
-        self.report_at = 0.0
+        self.reports = RobotReports()
         self.stop_sent: Stop | None = None
         self.stop_acknowledged_after: float | None = None
         self._perception = Perception(config, settings.contact_threshold)
@@ -183,6 +185,7 @@ class RobotLink:
             raise MissionRefused(f"the robot refuses this console: {answer.reason}", tip=_TIP)
         with self._change:
             self.session = session
+            self.reports.granted(answer.stamp)
         return session
 
     def tare(self) -> Answer:
@@ -263,14 +266,8 @@ class RobotLink:
 
     def stranger(self) -> str | None:
         """Whom the robot last refused beside this console's own; None if nobody."""
-        refusal = self.report.values.get("last_refusal", "") if self.report is not None else ""
+        refusal = self.reports.value("last_refusal")
         return refusal if refusal and not refusal.startswith(f"{self.console}.") else None
-
-    @property
-    def mode(self) -> RobotMode | None:
-        """The robot's, as last told."""
-        report = self.report
-        return RobotMode(report.message) if report is not None and report.message in list(RobotMode) else None
 
     def _require_ready(self) -> None:
         """Refuse to begin with a robot that cannot be flown.
@@ -280,9 +277,10 @@ class RobotLink:
 
         """
         where = ", ".join((*self.settings.transport.connect, *self.settings.transport.listen))
-        if self.report is None or time.monotonic() - self.report_at > max(0.5, self.settings.deadline):
+        reports = self.reports
+        if reports.latest is None or time.monotonic() - reports.at > max(0.5, self.settings.deadline):
             raise MissionRefused(f"no robot is heard at {where}", tip=_TIP)
-        spoken = self.report.values.get("contract", "")
+        spoken = reports.value("contract")
         if spoken != contract.VERSION:
             raise MissionRefused(
                 f"the robot speaks contract {spoken!r}, this console {contract.VERSION!r}",
@@ -387,10 +385,10 @@ class RobotLink:
     def _take_mode(self, payload: bytes) -> None:
         report = wire.decode_report(payload)
         with self._change:
-            before = self.report
-            self.report, self.report_at = report, time.monotonic()
-        refusal = report.values.get("last_refusal")
-        if refusal and (before is None or refusal != before.values.get("last_refusal")):
+            before = self.reports.value("last_refusal")
+            self.reports.take(report, time.monotonic())
+            refusal = self.reports.value("last_refusal")
+        if refusal and refusal != before:
             log.warning("the robot refused %s", refusal)
 
     def _take_acknowledgement(self, payload: bytes) -> None:
@@ -404,7 +402,7 @@ class RobotLink:
                 if stop is not None and stamp == stop.call.stamp and self.stop_acknowledged_after is None:
                     self.stop_acknowledged_after = time.monotonic() - stop.sent_at
             else:
-                self._answers = {(report.name, stamp): Answer(report.good, report.message)}
+                self._answers = {(report.name, stamp): Answer(report.good, report.message, report.stamp)}
             self._change.notify_all()
 
 

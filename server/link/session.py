@@ -120,6 +120,7 @@ def _config(transport: Transport) -> zenoh.Config:
         "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
+        "scouting/delay": 0,  # nobody is looked for, so nobody need be waited for
         "transport/link/tx/lease": LEASE,
         **_users(transport),
         **_tls(transport),

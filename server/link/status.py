@@ -168,13 +168,13 @@ def _stream(link: RobotLink, channel: Channel, now: float) -> StreamStatus:
 
 
 def _robot(link: RobotLink, now: float) -> RobotReport | None:
-    report = link.report
-    if report is None:
+    reports = link.reports
+    if reports.latest is None:
         return None
-    values = report.values
+    values, mode = reports.latest.values, reports.mode
     return RobotReport(
-        age=now - link.report_at,
-        mode=None if link.mode is None else link.mode.value,
+        age=now - reports.at,
+        mode=None if mode is None else mode.value,
         why=values.get("why", ""),
         contract=values.get("contract", ""),
         session=values.get("session", ""),
@@ -198,10 +198,10 @@ def _round_trip(link: RobotLink, now: float) -> Quantiles | None:
 
 
 def _command_age(link: RobotLink) -> Quantiles | None:
-    values = link.report.values if link.report is not None else {}
+    value = link.reports.value
     try:
-        return Quantiles(p50=float(values["command_age_p50"]), p99=float(values["command_age_p99"]))
-    except (KeyError, ValueError):
+        return Quantiles(p50=float(value("command_age_p50")), p99=float(value("command_age_p99")))
+    except ValueError:
         return None  # nothing was commanded yet
 
 

@@ -13,11 +13,19 @@ WINDOW = 2.0
 """Rate, jitter and loss are those of the last seconds [s]."""
 KEPT = 1024
 """Arrivals that are kept at most."""
-BEGUN_ANEW = 1_000_000_000
-"""A stamp that lies this much before the last one is of a clock that has begun anew [ns]."""
+SILENCE = 0.5
+"""A source that was silent for so long, and then stamps earlier than before, has begun its clock anew [s]."""
 OFFSET_WINDOW = 30.0
 """The clock's offset is that of the quickest round trip of the last seconds [s]."""
 TRIPS_KEPT = 8192
+
+
+def begins_anew(at: float, last: float) -> bool:
+    """Whether an earlier stamp that comes at this instant is of a clock begun anew, or was overtaken on its way.
+
+    Among newer ones it was overtaken, however old it is; after a silence it is the source's present.
+    """
+    return at - last > SILENCE
 
 
 class _Arrival(NamedTuple):
@@ -39,10 +47,10 @@ class Stream:
 
     def arrive(self, stamp: int, value: FloatArray, at: float) -> bool:
         """Note an arrival; whether it is newer than all before, or the source's clock has begun anew."""
-        if self._arrivals and stamp < self._arrivals[-1].stamp - BEGUN_ANEW:
-            self._arrivals.clear()
         if self._arrivals and stamp <= self._arrivals[-1].stamp:
-            return False
+            if not begins_anew(at, self._arrivals[-1].at):
+                return False
+            self._arrivals.clear()
         if self._arrivals:
             missing = round(1e-9 * (stamp - self._arrivals[-1].stamp) * self.rate) - 1
             self.lost += max(0, missing)

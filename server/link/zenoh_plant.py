@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
@@ -30,8 +31,6 @@ COMMANDS_UNDER_WAY = 4
 """Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
 LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
-GRACE = 0.2
-"""How long the robot may take to say that it follows the new session [s]."""
 
 
 def require_link_period(config: MissionConfig) -> None:
@@ -69,14 +68,13 @@ class ZenohPlant:
         self._told: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
         self._stopped = False
         link.open_session()
-        self._opened_at = time.monotonic()
-        joints = link.await_joints(0, link.settings.deadline)
-        assert joints is not None, "the link is ready only with joint states"
         self._first: int | None = None
-        self._last = joints.stamp
-        self._angle = joints.angle
+        self._last = 0
+        self._angle = np.zeros((2, 3))
+        joints = self._hold_still(lambda: link.reports.of_session is not None, "it granted a session")
         if self._tare_if_needed():
-            self._settle()
+            link.perceive_anew()
+            joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
         link.tell(joints, self._state)
 
     @property
@@ -139,13 +137,13 @@ class ZenohPlant:
 
     def _lost_session(self) -> str | None:
         """Whether the robot follows this session no more, though nobody stopped it here."""
-        link, report = self._link, self._link.report
-        if report is None or self._stopped or link.report_at < self._opened_at + GRACE:
+        report = self._link.reports.of_session
+        if report is None or self._stopped:
             return None
         holder, why = report.values.get("session", ""), report.values.get("why", "")
-        if holder != link.session:
+        if holder != self._link.session:
             return f"the robot has let this session go; it is held by {holder or 'nobody'}"
-        return None if link.mode is RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
+        return None if report.message == RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
 
     def _lagging(self, joints: JointSample) -> str | None:
         """Whether a joint does not do what it is told."""
@@ -158,22 +156,22 @@ class ZenohPlant:
         behind = abs(float(self._lag.flat[worst]))
         return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None
 
-    def _settle(self) -> None:
-        """Hold the arms still until both bodies have been seen for long enough with tared wrists."""
+    def _hold_still(self, enough: Callable[[], bool], since: str) -> JointSample:
+        """Hold the arms still until that is so; the joint state then."""
         link = self._link
-        link.perceive_anew()
         until = time.monotonic() + SETTLING_TIME
-        while not link.perceives:
+        while True:
             joints = link.await_joints(self._last, link.settings.deadline)
             if joints is None or time.monotonic() > until:
-                raise LinkLost("the robot was lost after its wrists were tared", tip="reset to try again")
+                raise LinkLost(f"the robot was lost after {since}", tip="reset to try again")
             self._last, self._angle = joints.stamp, joints.angle
             link.command(joints.stamp, np.zeros((2, 3)))
+            if enough():
+                return joints
 
     def _tare_if_needed(self) -> bool:
         """Tare wrists that have not been since the robot was started; whether that was needed."""
-        report = self._link.report
-        if report is None or report.values.get("tared") == "true":
+        if self._link.reports.value("tared") == "true":
             return False
         answer = self._link.tare()
         if not answer.granted:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import re
 import signal
@@ -13,9 +14,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import httpx
+import numpy as np
 
 from server.link.robot_link import RobotLink
 from server.link.zenoh_plant import ZenohPlant
@@ -26,12 +28,40 @@ from sim.errors import LinkLost, MissionRefused
 
 PATIENCE = 60.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
-DEADLINE = 0.6
-"""Of both ends [s]: longer than the default, for machines that do much beside these tests."""
+PATIENT = 5.0
+"""Deadline of a console that is to notice nothing [s]: a machine that does much beside it stops for a second."""
+SHORT = 0.3
+"""Deadline of a console that is to notice a fault [s]."""
+ROBOT_DEADLINE = 2.0
+"""Of the robot [s]; it has one only."""
+TRIES = 4
+"""How often a test is begun anew that this machine did not keep up with."""
+STALLED = r"late: none for|late: what arrives is|jumped by \d+ ms|the robot is holding"
+"""What either end says of a machine that stood still for longer than the deadline."""
 CONFIG = named_configuration("testbed")
 POLL = 0.01
+MOVING = 0.05
+"""A joint that is this quick moves [rad/s]."""
 
 T = TypeVar("T")
+P = ParamSpec("P")
+
+
+class Stalled(AssertionError):
+    """A flight ended by what this machine did, which no test is about."""
+
+
+def keeping_up(test: Callable[P, None]) -> Callable[P, None]:
+    """Begin a test anew if this machine stood still for longer than a deadline: that is noticed, as it should be."""
+
+    @functools.wraps(test)
+    def begun_anew(*args: P.args, **kwargs: P.kwargs) -> None:
+        for _ in range(TRIES - 1):
+            with contextlib.suppress(Stalled):
+                return test(*args, **kwargs)
+        return test(*args, **kwargs)
+
+    return begun_anew
 
 
 def until(condition: Callable[[], T], what: str) -> T:
@@ -58,11 +88,15 @@ class Process:
     def __init__(self, process: subprocess.Popen[str], log: Path) -> None:
         self.process = process
         self._log = log
-        assert process.stdout is not None
-        line = process.stdout.readline()
+
+    @functools.cached_property
+    def http(self) -> httpx.Client:
+        """Its REST, as soon as it has said where that is; others may start meanwhile."""
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)", line)
         assert found is not None, f"{line!r}; {self.log}"
-        self.http = httpx.Client(base_url=f"http://127.0.0.1:{found[1]}", timeout=PATIENCE)
+        return httpx.Client(base_url=f"http://127.0.0.1:{found[1]}", timeout=PATIENCE)
 
     @property
     def log(self) -> str:
@@ -70,6 +104,11 @@ class Process:
 
     def signal(self, number: signal.Signals) -> None:
         self.process.send_signal(number)
+
+    def close(self) -> None:
+        """Ask nothing any more."""
+        if "http" in vars(self):
+            self.http.close()
 
 
 @contextlib.contextmanager
@@ -81,13 +120,11 @@ def becalm(folder: Path, *arguments: str) -> Iterator[Process]:
         log.open("w") as errors,
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, env=environment, text=True) as process,
     ):
-        started = None
+        started = Process(process, log)
         try:
-            started = Process(process, log)
             yield started
         finally:
-            if started is not None:
-                started.http.close()
+            started.close()
             process.send_signal(signal.SIGCONT)
             process.terminate()
             try:
@@ -96,11 +133,45 @@ def becalm(folder: Path, *arguments: str) -> Iterator[Process]:
                 process.kill()
 
 
+class Certificates:
+    """An authority of our own, certificates by it, and one by nobody."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._made("req -x509", "ca", "-days 2 -subj /CN=lab")
+        self._made("req -x509", "other", "-days 2 -subj /CN=localhost")
+        for name in ("robot", "console"):
+            self._made("req", name, "-subj /CN=localhost", "csr")
+            self._openssl(
+                f"x509 -req -in {name}.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 "
+                f"-extfile {self._names()} -out {name}.pem"
+            )
+
+    def of(self, name: str, authority: str = "ca") -> dict[str, Path]:
+        """The settings of an end that has this certificate."""
+        return {
+            "tls_ca": self._folder / f"{authority}.pem",
+            "tls_certificate": self._folder / f"{name}.pem",
+            "tls_key": self._folder / f"{name}.key",
+        }
+
+    def _made(self, request: str, name: str, rest: str, form: str = "pem") -> None:
+        curve = "-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes"
+        self._openssl(f"{request} {curve} -keyout {name}.key -out {name}.{form} {rest}")
+
+    def _names(self) -> str:
+        self._folder.joinpath("names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
+        return "names"
+
+    def _openssl(self, arguments: str) -> None:
+        subprocess.run(["openssl", *arguments.split()], cwd=self._folder, check=True, capture_output=True)
+
+
 class Robot:
     """The emulated robot, and its REST."""
 
-    def __init__(self, process: Process, endpoint: str) -> None:
-        self.process, self.endpoint = process, endpoint
+    def __init__(self, process: Process, endpoint: str, secured: str) -> None:
+        self.process, self.endpoint, self.secured = process, endpoint, secured
 
     @property
     def status(self) -> dict[str, Any]:
@@ -125,9 +196,10 @@ class Flight:
     """A mission that flies in a thread until it is asked to end, or the link is lost."""
 
     def __init__(self, link: RobotLink) -> None:
-        plant = until(lambda: _taken(link), "the robot can be flown")
-        self.plant = plant
-        self.mission = Mission(CONFIG, plant)
+        self._link = link
+        self._allow(PATIENT)
+        self.plant = until(lambda: _taken(link), "the robot can be flown")
+        self.mission = Mission(CONFIG, self.plant)
         self.lost = threading.Event()
         self.fault: LinkLost | None = None
         self._end = threading.Event()
@@ -136,23 +208,43 @@ class Flight:
         self._thread = threading.Thread(target=self._fly, daemon=True)
         self._thread.start()
 
+    def notice_within(self, deadline: float) -> None:
+        """Notice what is late by that much [s] from now on."""
+        self._allow(deadline)
+        self.ticks(2)  # whoever waits for a joint state now does so with the former deadline
+
     def capture(self) -> None:
+        """Begin a capture, and see the arms move."""
         self.mission.request(Command.CAPTURE)
+        self.until(lambda: np.abs(self.plant.state["joint_rate"]).max() > MOVING)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        """Wait until that is so after a tick."""
+        with self._told:
+            assert self._told.wait_for(lambda: self.fault or condition(), PATIENCE)
+        if self.fault is not None:
+            raise Stalled(self.fault) if re.search(STALLED, str(self.fault)) else AssertionError(self.fault)
 
     def ticks(self, count: int) -> None:
         """Wait until so many more ticks have been flown."""
-        with self._told:
-            goal = self._ticks + count
-            assert self._told.wait_for(lambda: self._ticks >= goal or self.fault, PATIENCE)
-            assert self.fault is None, self.fault
+        goal = self._ticks + count
+        self.until(lambda: self._ticks >= goal)
 
-    def await_fault(self) -> str:
+    def await_fault(self, words: str) -> str:
+        """What the console says when it has lost the robot, which must be of that form."""
         assert self.lost.wait(PATIENCE), "the link should be lost"
-        return str(self.fault)
+        message = str(self.fault)
+        if not re.search(words, message):
+            raise Stalled(message) if re.search(STALLED, message) else AssertionError(message)
+        return message
 
     def end(self) -> None:
+        """Fall silent; the robot is not told."""
         self._end.set()
         self._thread.join(PATIENCE)
+
+    def _allow(self, deadline: float) -> None:
+        self._link.settings = self._link.settings.model_copy(update={"deadline": deadline})
 
     def _fly(self) -> None:
         while not self._end.is_set() and self.fault is None:

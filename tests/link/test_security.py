@@ -1,23 +1,23 @@
-"""Users, passwords and TLS: who may connect, and who may not."""
+"""Users, passwords and TLS: who may connect, and who may not. test_service.py has whole processes with both."""
 
 from __future__ import annotations
 
-import subprocess
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
-from ends import PATIENCE, free_endpoint
+from ends import PATIENCE, Certificates, free_endpoint
 from pydantic import ValidationError
 
 from server.link import contract
 from server.link.session import LinkSession, Transport
 from sim.errors import ConfigError
 
-REFUSED_FOR = 1.0
-"""How long a message that must not come is waited for [s]; one that may comes within a tenth of that."""
+Settings = dict[str, object]
+ENOUGH = 10
+"""Messages that one end has heard of which those who may not hear have missed all."""
 
 
 @contextmanager
@@ -29,95 +29,66 @@ def _session(**transport: object) -> Iterator[LinkSession]:
         session.close()
 
 
-def _heard(robot: LinkSession, console: LinkSession, patience: float) -> bool:
-    """Whether what one end publishes arrives at the other."""
-    came = threading.Event()
-    console.subscribe(contract.MODE, lambda _: came.set())
-    for _ in range(round(patience / 0.05)):
+class _Ear:
+    """Counts what an end hears."""
+
+    def __init__(self, session: LinkSession) -> None:
+        self.heard = 0
+        self.enough = threading.Event()
+        session.subscribe(contract.MODE, self._hear)
+
+    def _hear(self, _: bytes) -> None:
+        self.heard += 1
+        if self.heard >= ENOUGH:
+            self.enough.set()
+
+
+def _tell(robot: LinkSession, until: threading.Event) -> bool:
+    """Publish until that is so."""
+    for _ in range(round(PATIENCE / 0.02)):
         robot.publish(contract.MODE, b"mode")
-        if came.wait(0.05):
+        if until.wait(0.02):
             return True
     return False
 
 
-@pytest.fixture
-def users(tmp_path: Path) -> dict[str, Path]:
-    files = {"users": "ana:secret\n", "right": "secret\n", "wrong": "guess\n"}
-    for name, content in files.items():
-        tmp_path.joinpath(name).write_text(content)
-    return {name: tmp_path / name for name in files}
+def _assert_let_in(listening: Settings, welcome: Settings, strangers: list[Settings]) -> None:
+    """Strangers that tried first, and go on trying, hear nothing of what the welcome end hears."""
+    with _session(**listening) as robot, ExitStack() as ends:
+        others = [ends.enter_context(_session(**stranger)) for stranger in strangers]
+        deaf = [_Ear(other) for other in others]
+        ear = _Ear(ends.enter_context(_session(**welcome)))
+        assert _tell(robot, ear.enough)
+        assert [each.heard for each in deaf] == [0] * len(deaf)
+        assert not any(other.connected for other in others)
 
 
-def test_the_right_password_is_let_in(users):
+def test_only_the_right_user_and_password_are_let_in(users: dict[str, Path]):
     endpoint = free_endpoint()
-    with (
-        _session(listen=(endpoint,), users_file=users["users"]) as robot,
-        _session(connect=(endpoint,), user="ana", password_file=users["right"]) as console,
-    ):
-        assert _heard(robot, console, PATIENCE)
+    _assert_let_in(
+        {"listen": (endpoint,), "users_file": users["users"]},
+        {"connect": (endpoint,), "user": "ana", "password_file": users["right"]},
+        [
+            {"connect": (endpoint,), "user": "ana", "password_file": users["wrong"]},
+            {"connect": (endpoint,), "user": "bob", "password_file": users["right"]},
+            {"connect": (endpoint,)},
+        ],
+    )
 
 
-@pytest.mark.parametrize(
-    "user", [{"user": "ana", "password_file": "wrong"}, {"user": "bob", "password_file": "right"}, {}]
-)
-def test_others_are_not(users, user):
-    endpoint = free_endpoint()
-    if user:
-        user = {**user, "password_file": users[user["password_file"]]}
-    with (
-        _session(listen=(endpoint,), users_file=users["users"]) as robot,
-        _session(connect=(endpoint,), **user) as stranger,
-    ):
-        assert not _heard(robot, stranger, REFUSED_FOR)
-        assert not stranger.connected
-
-
-@pytest.fixture(scope="module")
-def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An authority of our own, a robot's and a console's certificate by it, and a stranger's by itself."""
-    folder = tmp_path_factory.mktemp("certificates")
-    _openssl(folder, "req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 2 -subj /CN=lab")
-    for name in ("robot", "console"):
-        (folder / f"{name}.ext").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
-        _openssl(folder, f"req -newkey rsa:2048 -nodes -keyout {name}.key -out {name}.csr -subj /CN=localhost")
-        signed = f"x509 -req -in {name}.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile {name}.ext"
-        _openssl(folder, f"{signed} -out {name}.pem")
-    _openssl(folder, "req -x509 -newkey rsa:2048 -nodes -keyout other.key -out other.pem -days 2 -subj /CN=localhost")
-    return folder
-
-
-def _openssl(folder: Path, arguments: str) -> None:
-    subprocess.run(["openssl", *arguments.split()], cwd=folder, check=True, capture_output=True)
-
-
-def _tls(folder: Path, name: str, authority: str = "ca") -> dict[str, Path]:
-    return {
-        "tls_ca": folder / f"{authority}.pem",
-        "tls_certificate": folder / f"{name}.pem",
-        "tls_key": folder / f"{name}.key",
-    }
-
-
-def test_certificates_of_the_same_authority_are_let_in(certificates):
+def test_only_certificates_of_the_same_authority_are_let_in(certificates: Certificates):
     endpoint = free_endpoint("tls").replace("127.0.0.1", "localhost")
-    with (
-        _session(listen=(endpoint,), **_tls(certificates, "robot")) as robot,
-        _session(connect=(endpoint,), **_tls(certificates, "console")) as console,
-    ):
-        assert _heard(robot, console, PATIENCE)
+    _assert_let_in(
+        {"listen": (endpoint,), **certificates.of("robot")},
+        {"connect": (endpoint,), **certificates.of("console")},
+        [
+            {"connect": (endpoint,), **certificates.of("other")},
+            {"connect": (endpoint,), **certificates.of("console", authority="other")},
+        ],
+    )
 
 
-@pytest.mark.parametrize("stranger", [("other", "ca"), ("console", "other")])
-def test_other_certificates_are_not(certificates, stranger):
-    endpoint = free_endpoint("tls").replace("127.0.0.1", "localhost")
-    with (
-        _session(listen=(endpoint,), **_tls(certificates, "robot")) as robot,
-        _session(connect=(endpoint,), **_tls(certificates, *stranger)) as console,
-    ):
-        assert not _heard(robot, console, REFUSED_FOR)
-
-
-def test_settings_that_do_not_belong_together_are_named(tmp_path):
+def test_settings_that_do_not_belong_together_are_named(tmp_path: Path):
     with pytest.raises(ValidationError, match="password_file belong together"):
         Transport(user="ana")
     with pytest.raises(ValidationError, match="tls_key belong together"):

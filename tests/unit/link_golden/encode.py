@@ -2,7 +2,7 @@
 
 CDR as the OMG specifies it (formal/02-06-51, 15.3), little endian: four bytes of encapsulation header, then every
 number aligned to its own size from there on; strings and sequences begin with their length, strings end with a zero.
-Run it from anywhere: python tests/link/golden/encode.py
+Run it from anywhere: python tests/unit/link_golden/encode.py
 """
 
 from __future__ import annotations

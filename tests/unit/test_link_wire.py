@@ -1,4 +1,4 @@
-"""The bytes of the link, against golden ones that tests/link/golden/encode.py wrote."""
+"""The bytes of the link, against golden ones that tests/unit/link_golden/encode.py wrote."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ MESSAGES = {
         wire.Report(STAMP, "stop", False, "why not", {"session": "a1b2c3", "stamp": "17"}),
     ),
 }
-GOLDEN = json.loads(Path(__file__).with_name("golden").joinpath("golden.json").read_text())
+GOLDEN = json.loads(Path(__file__).with_name("link_golden").joinpath("golden.json").read_text())
 
 
 def test_there_are_golden_bytes_for_every_message():

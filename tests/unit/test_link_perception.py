@@ -152,3 +152,12 @@ def test_the_offset_is_that_of_the_quickest_round_trip():
         clock.note(0, there + ahead, there + back, 1.0)
     assert clock.offset == pytest.approx(3.0, abs=1e-9)
     assert [trip.duration for trip in clock.trips(0.0)] == pytest.approx([5e-4, 2e-4, 1e-2])
+
+
+def test_what_was_overtaken_by_seconds_is_not_taken_for_a_clock_that_began_anew():
+    stream = Stream(100.0)
+    assert stream.arrive(9_000_000_000, np.zeros(3), 1.0)
+    assert not stream.arrive(5_000_000_000, np.ones(3), 1.01)
+    assert stream.latest == 9_000_000_000
+    assert stream.arrive(10_000_000, np.ones(3), 3.0)
+    assert stream.latest == 10_000_000

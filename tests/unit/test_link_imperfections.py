@@ -58,9 +58,9 @@ def test_the_same_seed_tells_the_same():
 def test_encoders_have_steps_and_rates_are_their_differences():
     sensors = Sensors(PERFECT.model_copy(update={"encoder_resolution": 0.01}), 0)
     state = _state()
-    assert not sensors.joints(0, state, 0.005).rate.any()
+    assert not sensors.joints(0, state).rate.any()
     state["joint_angle"][0, 0] += 0.013
-    sample = sensors.joints(1, state, 0.005)
+    sample = sensors.joints(5_000_000, state)
     assert sample.angle[0, 0] == pytest.approx(0.31)
     assert sample.rate[0, 0] == pytest.approx(2.0)
 

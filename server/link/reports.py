@@ -1,0 +1,49 @@
+"""What the robot last told of itself, and whether it told it of the present session. Pure: no clock, no network.
+
+Reports are of low priority, so one may arrive after an acknowledgement that was sent after it. It then tells of the
+session before; only what the robot stamped after it granted a session says anything about that session.
+"""
+
+from __future__ import annotations
+
+from server.link.contract import RobotMode
+from server.link.streams import begins_anew
+from server.link.wire import Report
+
+
+class RobotReports:
+    """The newest report. Stamps [ns] are the robot's; arrivals `time.monotonic` [s]."""
+
+    def __init__(self) -> None:
+        self.latest: Report | None = None
+        self.at = 0.0
+        """When it came."""
+        self._granted = 0
+
+    def take(self, report: Report, at: float) -> bool:
+        """Note a report that came at that instant; whether it is newer than all before."""
+        latest = self.latest
+        if latest is not None and report.stamp < latest.stamp and not begins_anew(at, self.at):
+            return False
+        self.latest, self.at = report, at
+        return True
+
+    def granted(self, stamp: int) -> None:
+        """Note when the robot granted the present session, by its own clock [ns]."""
+        self._granted = stamp
+
+    @property
+    def of_session(self) -> Report | None:
+        """The newest report, if the robot made it after it granted the present session."""
+        latest = self.latest
+        return latest if latest is not None and latest.stamp >= self._granted else None
+
+    @property
+    def mode(self) -> RobotMode | None:
+        """The robot's, as last told; None before, and for a word that the contract does not know."""
+        latest = self.latest
+        return RobotMode(latest.message) if latest is not None and latest.message in list(RobotMode) else None
+
+    def value(self, key: str) -> str:
+        """One of the values that it last told; empty if it did not."""
+        return self.latest.values.get(key, "") if self.latest is not None else ""
