@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -129,6 +129,11 @@ def command(
 def stop() -> Call[CommandAnswer]:
     """Stop: joint rates zero, in every phase, before everything else that waits."""
     return Call("POST", "mission/stop", _as(CommandAnswer))
+
+
+def control(action: Literal["take", "relieve", "hand_over", "release"], to: str | None = None) -> Call[CommandAnswer]:
+    """Take control of the live mission, relieve who has it, hand it over to another operator, or release it."""
+    return Call("POST", "mission/control", _as(CommandAnswer), {"action": action, "to": to})
 
 
 def config() -> Call[ConfigBody]:

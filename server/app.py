@@ -21,6 +21,7 @@ from server.access.tokens import TokenStore
 from server.api import (
     PREFIX,
     config,
+    control,
     health,
     link,
     metrics,
@@ -219,7 +220,7 @@ def _end_mission(services: Services) -> None:
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, session, mission, config, link, scene, runs, playback, studies, telemetry):
+    for resource in (health, session, mission, control, config, link, scene, runs, playback, studies, telemetry):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(metrics.router)

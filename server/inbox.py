@@ -32,6 +32,10 @@ CommandName = Literal[
     "fork",
     "stop",
     "configure",
+    "take_control",
+    "relieve",
+    "hand_over",
+    "release_control",
 ]
 
 
@@ -46,6 +50,8 @@ class Request:
     configuration: str | None = None
     changes: dict[str, Any] = field(default_factory=dict)
     fork: Fork | None = None
+    to: str = ""
+    """With `hand_over`: the name of who may take control."""
 
 
 class CommandAnswer(Published):

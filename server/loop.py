@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple
 
+from server.control import Control
 from server.disk import DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
@@ -24,6 +25,7 @@ from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
 from server.recorder import BACKLOG_LIMIT, Recorder
+from server.run_folder import wall_clock
 from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
@@ -47,6 +49,8 @@ STOP_PATIENCE = 0.1
 
 _SIMULATED = ("pause", "run", "step", "fork")
 """What only a simulation can do."""
+_OF_CONTROL = ("take_control", "relieve", "hand_over", "release_control")
+"""What decides itself who may ask it."""
 _REAL_TIME = "{} is refused: a robot is flown, in real time"
 
 LoopStatus = Literal["preparing", "ok", "faulted"]
@@ -100,6 +104,8 @@ class MissionLoop:
         self._pace = Pace(config.control.period, time.monotonic())
         self._flown_at: float | None = None
         self.failure: str | None = None
+        self.control = Control()
+        """Replaced by the mission thread only."""
         self.view = ConfigView(configuration, display_name(configuration, config), config)
 
     def start(self) -> None:
@@ -348,6 +354,7 @@ class MissionLoop:
             flying = self._flying
             try:
                 self._require_simulation(request)
+                control = self._control_for(request)
                 message = self._DO[request.command](self, request)
             except CaptureError as refusal:
                 flying.log_request(request, accepted=False, message=str(refusal))
@@ -358,6 +365,7 @@ class MissionLoop:
                 log.exception("%s could not be carried out", request.command)
                 answer.set_exception(error)
                 continue
+            self.control = control or self.control
             if flying is self._mission:  # else it was logged in the run that it ended
                 flying.log_request(request, accepted=True, message=message)
             if request.command == "step":
@@ -375,6 +383,35 @@ class MissionLoop:
         """
         if self._link is not None and request.command in _SIMULATED:
             raise MissionRefused(_REAL_TIME.format(request.command), tip="hold or stop brings the robot to rest")
+
+    def _control_for(self, request: Request) -> Control | None:
+        """The control that a command takes if it is granted: the first one who commands has it.
+
+        Raises:
+            MissionRefused: somebody else is in control.
+
+        """
+        if request.command in _OF_CONTROL:
+            return None
+        self.control.require(request.who)  # an offer is taken by saying so, not by a command
+        return self.control.taken(request.who, wall_clock())
+
+    def _take_control(self, request: Request) -> str:
+        self.control = self.control.taken(request.who, wall_clock())
+        return f"{request.who} is in control"
+
+    def _relieve(self, request: Request) -> str:
+        before, self.control = self.control.holder, self.control.relieved(request.who, wall_clock())
+        relieved = f", {before} is relieved" if before not in (None, request.who) else ""
+        return f"{request.who} is in control{relieved}"
+
+    def _hand_over(self, request: Request) -> str:
+        self.control = self.control.offered(request.who, request.to)
+        return f"{request.who} hands control over to {request.to}, who has to take it"
+
+    def _release_control(self, request: Request) -> str:
+        self.control = self.control.released(request.who)
+        return f"{request.who} has released control"
 
     def _grant(self, request: Request) -> str:
         self._flying.grant(Command(request.command))
@@ -430,6 +467,10 @@ class MissionLoop:
         "reset": _reset,
         "fork": _fork,
         "configure": _configure,
+        "take_control": _take_control,
+        "relieve": _relieve,
+        "hand_over": _hand_over,
+        "release_control": _release_control,
     }
 
     def _fly(self, ticks: int, now: float) -> None:
@@ -477,6 +518,7 @@ class MissionLoop:
             configuration=flying.name,
             plant=self._plant_status(now),
             commands={**flying.refusals(), **self._clock_refusals()},
+            control=self.control,
             problems=flying.problems.shown(),
         )
         self._feed.publish(snapshot)

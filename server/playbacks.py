@@ -8,6 +8,7 @@ from __future__ import annotations
 import secrets
 import threading
 
+from server.control import Control
 from server.problems import ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
 from server.run_folder import RunReader
@@ -47,6 +48,7 @@ class Screening:
             configuration=self._record.configuration,
             plant=_STANDS_STILL,
             commands={},
+            control=Control(),
             problems=(),
         )
 

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from server.control import Control
 from server.problems import Problem
 from sim.capture.snapshot import Published, Snapshot
 
@@ -29,4 +30,5 @@ class MissionSnapshot(Snapshot):
     commands: dict[str, str | None] = Field(
         description="Every command: null if it is allowed now, else the reason why not"
     )
+    control: Control
     problems: tuple[Problem, ...]

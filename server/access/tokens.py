@@ -113,6 +113,11 @@ class TokenStore:
         self._read_if_changed()
         return tuple(self._by_digest.values())
 
+    def operators(self) -> tuple[str, ...]:
+        """Names of all who may command the mission."""
+        named = [each.name for each in self.tokens() if each.role.covers(Role.OPERATOR) and not each.expired]
+        return (*named, ADMIN_NAME) if self._admin_digest is not None else tuple(named)
+
     @property
     def any_valid(self) -> bool:
         """Whether anyone could be let in."""
