@@ -8,6 +8,8 @@ import type {
   CommandAnswer,
   CommandRequest,
   ConfigurationSchema,
+  ControlRequest,
+  ControlStatus,
   Health,
   History,
   MissionConfiguration,
@@ -77,6 +79,11 @@ export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
   );
 
 export const stopMission = (): Promise<CommandAnswer> => bodyOf(client.POST("/api/v1/mission/stop", within(1500)));
+
+export const readControl = (): Promise<ControlStatus> => bodyOf(client.GET("/api/v1/mission/control", within(ANSWER_TIME)));
+
+export const changeControl = (body: ControlRequest): Promise<CommandAnswer> =>
+  bodyOf(client.POST("/api/v1/mission/control", { body, ...within(ANSWER_TIME) }));
 
 export const readConfiguration = (): Promise<MissionConfiguration> =>
   bodyOf(client.GET("/api/v1/mission/config", within(ANSWER_TIME)));

@@ -22,6 +22,9 @@ export type SceneChange = Request<paths["/api/v1/scene"]["patch"]>;
 export type History = Answer<paths["/api/v1/mission/history"]["get"]>;
 export type MissionEvent = Answer<paths["/api/v1/runs/{run_id}/events"]["get"]>[number];
 
+export type Control = MissionSnapshot["control"];
+export type ControlStatus = Answer<paths["/api/v1/mission/control"]["get"]>;
+export type ControlRequest = Request<paths["/api/v1/mission/control"]["post"]>;
 export type Parameter = ConfigurationSchema["parameters"][number];
 export type Outcome = NonNullable<MissionSnapshot["outcome"]>;
 export type Touch = MissionSnapshot["contacts"][number];

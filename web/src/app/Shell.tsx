@@ -2,6 +2,7 @@
 import { LibraryPage } from "../features/library/LibraryPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
 import { useView } from "../store/context";
+import { Boundary } from "./Boundary";
 import { MissionPage } from "./MissionPage";
 import { useRoute } from "./route";
 import styles from "./Shell.module.css";
@@ -14,9 +15,15 @@ export function Shell() {
   return (
     <div className={styles.shell} data-trust={trust}>
       <TopBar page={page} />
-      <MissionPage shown={page === "mission"} />
-      <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} />
-      <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+      <Boundary what="The mission's page">
+        <MissionPage shown={page === "mission"} />
+      </Boundary>
+      <Boundary what="The page of runs">
+        <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} />
+      </Boundary>
+      <Boundary what="The page of studies">
+        <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+      </Boundary>
     </div>
   );
 }

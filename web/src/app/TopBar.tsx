@@ -1,6 +1,7 @@
 import { ActionIcon, SegmentedControl, Tooltip, useMantineColorScheme } from "@mantine/core";
 import { addressOf } from "../api/address";
 import { Identity } from "../features/access/Identity";
+import { ControlState } from "../features/control/ControlState";
 import { StopButton } from "../features/commands/StopButton";
 import { isPhase, PHASE_WORDS } from "../store/phases";
 import { useSnapshot } from "../store/context";
@@ -95,6 +96,7 @@ export function TopBar({ page }: { readonly page: Page }) {
       <Pages shown={page} />
       <MissionFacts phased={page !== "mission"} />
       <div className={styles.tools}>
+        <ControlState />
         <Identity />
         <LinkState />
         <AngleSwitch />

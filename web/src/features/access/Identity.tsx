@@ -1,5 +1,5 @@
 /** Who is signed in, and the way out. */
-import { Button } from "@mantine/core";
+import { Button, Popover } from "@mantine/core";
 import { readSession, signOut } from "../../api/service";
 import { useAccess } from "./session";
 import styles from "./Identity.module.css";
@@ -12,11 +12,15 @@ export function Identity() {
     setSession(await readSession());
   };
   return (
-    <div className={styles.identity}>
-      <span>
-        {session.name} <small>{session.role}</small>
-      </span>
-      <Button onClick={() => void leave().catch(() => undefined)}>Sign out</Button>
-    </div>
+    <Popover position="bottom-end" trapFocus>
+      <Popover.Target>
+        <Button variant="subtle" color="gray" className={styles.identity ?? ""} title="Signed in">
+          {session.name} <small>{session.role}</small>
+        </Button>
+      </Popover.Target>
+      <Popover.Dropdown>
+        <Button onClick={() => void leave().catch(() => undefined)}>Sign out</Button>
+      </Popover.Dropdown>
+    </Popover>
   );
 }

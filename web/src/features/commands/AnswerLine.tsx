@@ -5,8 +5,9 @@ import { useDeskView } from "./context";
 import type { Answer, Verdict } from "./desk";
 import styles from "./AnswerLine.module.css";
 
-const SIGNS: Readonly<Record<Verdict, Sign>> = { waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
+const SIGNS: Readonly<Record<Verdict, Sign>> = { armed: "warning", waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
 const WORDS: Readonly<Record<Verdict, string>> = {
+  armed: "is armed",
   waiting: "waiting for the loop",
   accepted: "accepted",
   refused: "refused",

@@ -1,10 +1,10 @@
 /** A command as a button that shows waiting, and says why it cannot be pressed. */
 import { Button, Tooltip, type ButtonProps } from "@mantine/core";
 import type { CommandRequest } from "../../api/types";
-import { useView } from "../../store/context";
+import { useSnapshot, useView } from "../../store/context";
 import type { MissionView } from "../../store/mission";
 import { Icon, type Sign } from "../../theme/Icon";
-import { useReasonByRole } from "../access/session";
+import { useReasonAgainstCommanding } from "../control/control";
 import type { CommandWords } from "./catalogue";
 import { useDesk, useDeskView } from "./context";
 
@@ -22,22 +22,35 @@ interface CommandButtonProps extends ButtonProps {
   readonly request?: Omit<CommandRequest, "command">;
   /** Why the page itself will not have it now. */
   readonly against?: string | null;
+  /** What is lost if it is given; it then takes a second press. */
+  readonly warning?: string | null;
 }
 
-export function CommandButton({ words, sign, request = {}, against = null, ...button }: CommandButtonProps) {
+/** What the second press will do, for what takes two; null for what takes one. */
+export function armingWords(words: CommandWords, real: boolean, warning: string | null): string | null {
+  if (warning !== null) return warning;
+  return real && words.moves === true ? "The robot will move. Press again to go." : null;
+}
+
+export function CommandButton({ words, sign, request = {}, against = null, warning = null, ...button }: CommandButtonProps) {
   const desk = useDesk();
-  const byRole = useReasonByRole("operator");
+  const byWho = useReasonAgainstCommanding();
   const byMission = useView((view) => reasonAgainst(view, words.command));
-  const reason = byRole ?? byMission ?? against;
+  const reason = byWho ?? byMission ?? against;
   const waiting = useDeskView((view) => view.waiting.has(words.command));
+  const real = useSnapshot((snapshot) => snapshot.plant.kind === "zenoh") ?? false;
+  const armed = useDeskView((view) => view.armed === words.command);
+  const arming = armingWords(words, real, warning);
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);
+    else if (arming !== null && !armed) desk.arm(words.command, arming);
     else void desk.send({ command: words.command, ...request });
   };
   return (
     <Tooltip label={reason ?? words.does} position="right">
       <Button
         {...button}
+        {...(armed && { variant: "filled", color: "yellow", autoContrast: true })}
         leftSection={sign && <Icon sign={sign} />}
         // Not `disabled`: it must keep the focus and be able to say why.
         data-disabled={reason !== null}
@@ -45,8 +58,11 @@ export function CommandButton({ words, sign, request = {}, against = null, ...bu
         aria-busy={waiting}
         loading={waiting}
         onClick={press}
+        onBlur={() => {
+          if (armed) desk.disarm();
+        }}
       >
-        {words.label}
+        {armed ? `Go: ${words.label}` : words.label}
       </Button>
     </Tooltip>
   );

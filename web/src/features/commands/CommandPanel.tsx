@@ -26,6 +26,7 @@ function ResetRow() {
   const configurations = useNamedConfigurations();
   const current = useSnapshot((snapshot) => snapshot.configuration.replace(" (edited)", "")) ?? "";
   const [chosen, setChosen] = useState<string | null>(null);
+  const edited = useSnapshot((snapshot) => snapshot.configuration.endsWith(" (edited)")) ?? false;
   const name = chosen ?? current;
   const description = configurations.find((configuration) => configuration.name === name)?.description ?? "";
   return (
@@ -39,12 +40,13 @@ function ResetRow() {
           setChosen(event.currentTarget.value);
         }}
       />
-      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} />
+      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} warning={edited ? "What was edited is lost, unless it is kept as a preset. Press again to reset." : null} />
     </div>
   );
 }
 
 export function CommandPanel() {
+  const real = useSnapshot((snapshot) => snapshot.plant.kind === "zenoh") ?? false;
   return (
     <Panel title="Commands">
       <div className={styles.commands}>
@@ -56,7 +58,7 @@ export function CommandPanel() {
         </div>
         <ResetRow />
       </div>
-      <SimulationControls />
+      {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses.</p> : <SimulationControls />}
       <AnswerLine />
     </Panel>
   );

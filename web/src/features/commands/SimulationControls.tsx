@@ -3,6 +3,7 @@ import { NativeSelect } from "@mantine/core";
 import { useState } from "react";
 import { useSnapshot, useView } from "../../store/context";
 import { fixed } from "../../units/units";
+import { useReasonAgainstCommanding } from "../control/control";
 import { BACK, PAUSE, RUN, speedsWith, STEP } from "./catalogue";
 import { CommandButton } from "./CommandButton";
 import styles from "./CommandPanel.module.css";
@@ -22,6 +23,7 @@ export function SimulationControls() {
   const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
   const tick = useSnapshot((snapshot) => snapshot.tick) ?? 0;
   const live = useView((view) => view.trust === "live");
+  const byWho = useReasonAgainstCommanding();
   const [chosen, setChosen] = useState<string | null>(null);
   const [ticks, setTicks] = useState("1");
 
@@ -43,7 +45,8 @@ export function SimulationControls() {
       )}
       <NativeSelect
         aria-label="Speed of the simulation"
-        disabled={!live}
+        disabled={!live || byWho !== null}
+        title={byWho ?? undefined}
         value={chosen ?? String(speed)}
         data={speedsWith(speed)}
         onChange={(event) => {

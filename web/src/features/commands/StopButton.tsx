@@ -8,6 +8,7 @@ import styles from "./StopButton.module.css";
 const THIS_PAGE = { window };
 
 const WORDS: Readonly<Record<Verdict, string>> = {
+  armed: "",
   waiting: "Stopping",
   accepted: "Stopped",
   refused: "Not confirmed",

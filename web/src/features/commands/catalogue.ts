@@ -5,20 +5,23 @@ export interface CommandWords {
   readonly command: Command;
   readonly label: string;
   readonly does: string;
+  /** Sets the arms in motion. */
+  readonly moves?: boolean;
 }
 
 export const CAPTURE: CommandWords = {
   command: "capture",
   label: "Capture",
   does: "The whole sequence: detumble by soft touches, cage with both hands, lock the arms.",
+  moves: true,
 };
 
 export const SEQUENCE: readonly CommandWords[] = [
-  { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds." },
-  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin." },
-  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison." },
+  { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds.", moves: true },
+  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin.", moves: true },
+  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison.", moves: true },
   { command: "hold", label: "Hold", does: "Holds all joints where they are." },
-  { command: "release", label: "Release", does: "Both hands open and draw back." },
+  { command: "release", label: "Release", does: "Both hands open and draw back.", moves: true },
 ];
 
 export const RESET: CommandWords = {

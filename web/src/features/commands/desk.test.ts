@@ -1,7 +1,7 @@
-import { describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { noAnswer, refusalOf } from "../../api/refusal";
 import type { CommandAnswer } from "../../api/types";
-import { CommandDesk } from "./desk";
+import { ARMED_TIME, CommandDesk } from "./desk";
 
 const answer: CommandAnswer = { id: "c", command: "capture", accepted: true, phase: "detumbling", tick: 1, time: 0, message: "begins" };
 const never = () => Promise.reject(new Error("not expected"));
@@ -37,6 +37,40 @@ describe("a command on its way", () => {
     const desk = new CommandDesk({ send, stop: never });
     await Promise.all([desk.send({ command: "capture" }), desk.send({ command: "capture" })]);
     expect(send).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("a command in two steps", () => {
+  beforeEach(() => {
+    vi.useFakeTimers();
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  it("stays armed for a while only", () => {
+    const desk = new CommandDesk({ send: never, stop: never });
+    desk.arm("capture", "The robot will move.");
+    expect(desk.read()).toMatchObject({ armed: "capture", answer: { verdict: "armed", words: "The robot will move." } });
+    vi.advanceTimersByTime(ARMED_TIME - 1);
+    expect(desk.read().armed).toBe("capture");
+    vi.advanceTimersByTime(1);
+    expect(desk.read()).toMatchObject({ armed: null, answer: null });
+  });
+
+  it("is armed no longer once anything else was ordered, or STOP", async () => {
+    const desk = new CommandDesk({ send: () => Promise.resolve(answer), stop: () => Promise.resolve(answer) });
+    for (const other of [() => desk.send({ command: "hold" }), () => desk.stop()]) {
+      desk.arm("capture", "The robot will move.");
+      await other();
+      expect(desk.read().armed).toBeNull();
+    }
+    desk.arm("capture", "");
+    desk.explain("cage", "not now");
+    expect(desk.read().armed).toBeNull();
+    desk.arm("capture", "");
+    desk.arm("release", "");
+    expect(desk.read().armed).toBe("release");
   });
 });
 

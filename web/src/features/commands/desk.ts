@@ -6,8 +6,9 @@ import type { Command, CommandAnswer, CommandRequest } from "../../api/types";
 export type Order = Command | "stop";
 
 /** `unknown`: no answer came, so whether it was done cannot be told. */
-export type Verdict = "waiting" | "accepted" | "refused" | "unknown";
+export type Verdict = "armed" | "waiting" | "accepted" | "refused" | "unknown";
 
+/** `armed`: pressed once, of two times that it takes. */
 export interface Answer {
   readonly order: Order;
   readonly verdict: Verdict;
@@ -20,6 +21,8 @@ export interface DeskView {
   readonly waiting: ReadonlySet<Order>;
   /** The latest answer to a command. */
   readonly answer: Answer | null;
+  /** The order that the next press gives, if it comes soon. */
+  readonly armed: Order | null;
   /** The latest answer to STOP, which has a place of its own. */
   readonly stop: Answer | null;
 }
@@ -27,14 +30,18 @@ export interface DeskView {
 /** STOP may be sent again without harm; any other command may not. */
 const STOP_TRIES = 3;
 
+/** Milliseconds for which an order stays armed. */
+export const ARMED_TIME = 6000;
+
 interface Service {
   readonly send: (request: CommandRequest) => Promise<CommandAnswer>;
   readonly stop: () => Promise<CommandAnswer>;
 }
 
 export class CommandDesk {
-  private view: DeskView = { waiting: new Set(), answer: null, stop: null };
+  private view: DeskView = { waiting: new Set(), answer: null, armed: null, stop: null };
   private readonly listeners = new Set<() => void>();
+  private disarming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly service: Service = { send: sendCommand, stop: stopMission }) {}
 
@@ -51,12 +58,31 @@ export class CommandDesk {
   async send(request: CommandRequest): Promise<void> {
     const order = request.command;
     if (this.view.waiting.has(order)) return;
+    this.disarm();
     this.change({ waiting: including(this.view.waiting, order), answer: waiting(order) });
     const answer = await this.service.send(request).then(accepted(order), refused(order));
     this.change({ waiting: without(this.view.waiting, order), answer });
   }
 
+  /** The first of two presses: says what the second one will do, and takes itself back after a while. */
+  arm(order: Order, words: string): void {
+    this.disarm();
+    this.change({ armed: order, answer: { order, verdict: "armed", words, tip: "" } });
+    this.disarming = setTimeout(() => {
+      this.disarm();
+    }, ARMED_TIME);
+  }
+
+  /** The next press gives no order: somebody has looked elsewhere, or too long. */
+  disarm(): void {
+    clearTimeout(this.disarming);
+    if (this.view.armed === null) return;
+    const answer = this.view.answer?.verdict === "armed" ? null : this.view.answer;
+    this.change({ armed: null, answer });
+  }
+
   async stop(): Promise<void> {
+    this.disarm();
     this.change({ waiting: including(this.view.waiting, "stop"), stop: waiting("stop") });
     let answer = waiting("stop");
     for (let attempt = 0; attempt < STOP_TRIES && answer.verdict !== "accepted"; attempt += 1) {
@@ -67,6 +93,7 @@ export class CommandDesk {
 
   /** Shows why a button that cannot be pressed cannot; for fingers, which do not hover. */
   explain(order: Order, reason: string): void {
+    this.disarm();
     this.change({ answer: { order, verdict: "refused", words: reason, tip: "" } });
   }
 

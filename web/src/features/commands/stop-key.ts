@@ -11,7 +11,12 @@ function listen(target: Window, desk: CommandDesk): () => void {
     // A key held down is one press.
     if (event.key === STOP_KEY && !event.repeat) void desk.stop();
   };
-  target.addEventListener("keydown", pressed, { capture: true });
+  try {
+    target.addEventListener("keydown", pressed, { capture: true });
+  } catch {
+    // A frame that could not be loaded shows a page of the browser's own, which lets nobody listen.
+    return () => undefined;
+  }
   return () => {
     target.removeEventListener("keydown", pressed, { capture: true });
   };

@@ -11,6 +11,7 @@ import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
 import { clock, fixed, parsed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
+import { useReasonAgainstCommanding } from "../control/control";
 import { EventLog } from "../events/EventLog";
 import { PlotPanel } from "../plots/PlotPanel";
 import { Player } from "../replay/player";
@@ -88,7 +89,7 @@ function Facts({ run }: { readonly run: Run }) {
 function Fork({ run, doing, player }: { readonly run: Run; readonly doing: Doing; readonly player: Player }) {
   const [typed, setTyped] = useState<string | null>(null);
   const { time: shown } = useSyncExternalStore(player.subscribe, player.read);
-  const reason = useReasonByRole("operator");
+  const reason = useReasonAgainstCommanding();
   const time = typed ?? fixed(shown, 3);
   const moment = parsed(time);
   const sound = moment !== null && moment > 0 && moment <= run.duration;

@@ -5,7 +5,7 @@ import type { Refusal } from "../../api/refusal";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
 import { shown } from "../../units/units";
-import { useReasonByRole } from "../access/session";
+import { useReasonAgainstCommanding } from "../control/control";
 import { fieldText, words, type Change } from "./draft";
 import styles from "./StagedChanges.module.css";
 
@@ -36,7 +36,7 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
 
 export function StagedChanges({ changes, unsound, touched, refusal, applying, apply, discard }: StagedChangesProps) {
   const live = useView((view) => view.trust === "live");
-  const byRole = useReasonByRole("operator");
+  const byWho = useReasonAgainstCommanding();
   if (!touched) return null;
   return (
     <section className={styles.staged} aria-label="Staged changes">
@@ -58,8 +58,8 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ap
         <Button onClick={discard}>Discard</Button>
         <Button
           variant="filled"
-          disabled={unsound > 0 || changes.length === 0 || !live || byRole !== null}
-          title={byRole ?? undefined}
+          disabled={unsound > 0 || changes.length === 0 || !live || byWho !== null}
+          title={byWho ?? undefined}
           loading={applying}
           onClick={apply}
         >

@@ -1,0 +1,108 @@
+/** Who is in control, at the top of every page, and how that changes. */
+import { Button, NativeSelect, Popover } from "@mantine/core";
+import { useEffect, useState } from "react";
+import { ConfirmButton } from "../../app/ConfirmButton";
+import { useDoing, type Doing } from "../../app/use-doing";
+import { changeControl, readControl } from "../../api/service";
+import type { Control } from "../../api/types";
+import { Icon, type Sign } from "../../theme/Icon";
+import { reasonByRole, useAccess } from "../access/session";
+import { controlWords, holdOf, useControl, type Hold } from "./control";
+import styles from "./ControlState.module.css";
+
+const SIGNS: Readonly<Record<Hold, Sign>> = { free: "bar", mine: "check", offered: "follow", others: "lock" };
+
+interface ActionsProps {
+  readonly control: Control;
+  readonly me: string;
+  readonly doing: Doing;
+}
+
+/** Whom it may be handed over to: asked for when the choice is opened. */
+function useOthers(me: string): readonly string[] {
+  const [operators, setOperators] = useState<readonly string[]>([]);
+  useEffect(() => {
+    // Without an answer there is nobody to choose, and the link's own notice says why.
+    readControl().then((status) => { setOperators(status.operators); }, () => undefined);
+  }, []);
+  return operators.filter((name) => name !== me);
+}
+
+function Mine({ control, me, doing }: ActionsProps) {
+  const others = useOthers(me);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const to = chosen ?? others[0] ?? "";
+  return (
+    <>
+      <p>{control.offered_to === null ? "Everyone else sees, and may stop." : `${control.offered_to} has to take it. Until then it stays yours.`}</p>
+      <div className={styles.pair}>
+        <NativeSelect aria-label="Operator to hand over to" disabled={others.length === 0} data={others.length === 0 ? ["no other operator"] : [...others]} value={to} onChange={(event) => { setChosen(event.currentTarget.value); }} />
+        <Button disabled={to === ""} onClick={() => void doing(() => changeControl({ action: "hand_over", to }))}>
+          Hand over
+        </Button>
+      </div>
+      <Button onClick={() => void doing(() => changeControl({ action: "release" }))}>Release control</Button>
+    </>
+  );
+}
+
+function Actions(props: ActionsProps) {
+  const { control, me, doing } = props;
+  const hold = holdOf(control, me);
+  if (hold === "mine") return <Mine {...props} />;
+  if (hold !== "others") {
+    return (
+      <>
+        <p>{hold === "free" ? "The first who commands has it, too." : `${control.holder ?? ""} stays in control until you take it.`}</p>
+        <Button variant="filled" onClick={() => void doing(() => changeControl({ action: "take" }))}>
+          Take control
+        </Button>
+      </>
+    );
+  }
+  return (
+    <>
+      <p>{`Ask ${control.holder ?? ""} to hand over. Relieving takes control at once, and is logged with your name.`}</p>
+      <ConfirmButton label={`Relieve ${control.holder ?? ""}`} question={`Really relieve ${control.holder ?? ""}?`} against={null} onConfirm={() => void doing(() => changeControl({ action: "relieve" }))} />
+    </>
+  );
+}
+
+/** Nothing where no tokens are needed: everyone is the same operator there. */
+export function ControlState() {
+  const { session } = useAccess();
+  const control = useControl();
+  const { doing: asked, refusal } = useDoing();
+  const [opened, setOpened] = useState(false);
+  const doing: Doing = (work) =>
+    asked(async () => {
+      await work();
+      setOpened(false);
+    });
+  if (session === null || !session.token_needed || session.name === null || control === null) return null;
+  const words = controlWords(control, session.name);
+  const hold = holdOf(control, session.name);
+  const sign = <Icon sign={SIGNS[hold]} size={13} />;
+  if (reasonByRole(session, "operator") !== null) {
+    return (
+      <span className={styles.state} data-hold={hold} role="status">
+        {sign} {words}
+      </span>
+    );
+  }
+  return (
+    <Popover position="bottom-end" trapFocus opened={opened} onChange={setOpened}>
+      <Popover.Target>
+        <Button className={styles.state ?? ""} data-hold={hold} leftSection={sign} aria-label={`Control of the mission: ${words}`} onClick={() => { setOpened(!opened); }}>
+          {words}
+        </Button>
+      </Popover.Target>
+      <Popover.Dropdown>
+        <div className={styles.actions} key={hold}>
+          <Actions control={control} me={session.name} doing={doing} />
+          {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+        </div>
+      </Popover.Dropdown>
+    </Popover>
+  );
+}
