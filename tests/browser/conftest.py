@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 CONSOLE = Path(__file__).parents[2] / "server" / "static" / "index.html"
 ARTIFACTS = Path(__file__).parents[2] / "test-artifacts"
@@ -36,7 +36,16 @@ FLAGS = (
 )
 """No sandbox within a container, and no calls to anyone."""
 
-expect.set_options(timeout=20_000)
+PATIENCE = 90_000
+"""For whatever a page should show or let press [ms]: reached by a hang only, also where software draws the scene."""
+expect.set_options(timeout=PATIENCE)
+
+
+def new_context(browser: Browser, **options: Any) -> BrowserContext:
+    """A browser of its own, as patient as everything here."""
+    context = browser.new_context(**options)
+    context.set_default_timeout(PATIENCE)
+    return context
 
 
 @dataclass
@@ -51,7 +60,7 @@ class Service:
         data = None if body is None else json.dumps(body).encode()
         headers = {"Content-Type": "application/json"}
         request = urllib.request.Request(f"{self.address}/api/v1{path}", data, headers)
-        with urllib.request.urlopen(request, timeout=10) as answer:
+        with urllib.request.urlopen(request, timeout=60) as answer:
             return json.loads(answer.read())
 
 
@@ -92,7 +101,7 @@ def running(data: Path, log: Path, **environment: str) -> Iterator[Service]:
             yield service
         finally:
             process.terminate()
-            process.wait(timeout=20)
+            process.wait(timeout=60)
 
 
 @pytest.fixture(scope="session")
@@ -149,7 +158,7 @@ def _opened_console(browser: Browser, service: Service, name: str, *, scene: boo
     """The console on a mission that has just been reset; what it looked like at the end is kept."""
     service.ask("/mission/commands", {"command": "reset", "configuration": "published_figures"})
     service.ask("/mission/commands", {"command": "run", "speed": 1})
-    context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
+    context = new_context(browser, viewport={"width": 1440, "height": 900}, accept_downloads=True)
     # Software has to draw the scene here; in full detail it would leave the page no time.
     context.add_init_script("localStorage.setItem('becalm-scene', 'light')")
     if not scene:
@@ -160,7 +169,7 @@ def _opened_console(browser: Browser, service: Service, name: str, *, scene: boo
     page.goto(service.address)
     expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
     if scene:
-        expect(page.frame_locator("iframe").first.locator("canvas").first).to_be_visible(timeout=90_000)
+        expect(page.frame_locator("iframe").first.locator("canvas").first).to_be_visible()
         page.evaluate(CALM)
     yield page
     ARTIFACTS.mkdir(exist_ok=True)

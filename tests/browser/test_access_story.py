@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, expect
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 
-from .conftest import ARTIFACTS, running
+from .conftest import ARTIFACTS, new_context, running
 
 pytestmark = pytest.mark.browser
 
@@ -20,7 +20,7 @@ def test_a_viewer_signs_in_sees_stops_and_signs_out(browser: Browser, tmp_path: 
     store = TokenStore(tmp_path / "data" / "access")
     secret = store.create("vic", Role.VIEWER)
     with running(tmp_path / "data", tmp_path / "serve.log", BECALM_REQUIRE_TOKENS="true") as service:
-        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        context = new_context(browser, viewport={"width": 1440, "height": 900})
         page = context.new_page()
         refused: list[str] = []
         page.on("console", lambda said: refused.append(said.text) if "Content Security Policy" in said.text else None)
@@ -37,12 +37,12 @@ def test_a_viewer_signs_in_sees_stops_and_signs_out(browser: Browser, tmp_path: 
         expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
         expect(page.get_by_text("vic viewer")).to_be_visible()
         scene = page.frame_locator("iframe[title='3D view of robot and target']")
-        expect(scene.locator("canvas").first).to_be_visible(timeout=60_000)
+        expect(scene.locator("canvas").first).to_be_visible()
         capture = page.get_by_role("button", name="Capture", exact=True)
         expect(capture).to_have_attribute("aria-disabled", "true")
         page.get_by_role("button", name="STOP").click()
         phases = page.get_by_role("list", name="Phases").locator("[aria-current=step]")
-        expect(phases).to_contain_text("Stopped", timeout=60_000)
+        expect(phases).to_contain_text("Stopped")
         assert refused == [], "the policy of the pages forbids what they need"
 
         store.revoke("vic")

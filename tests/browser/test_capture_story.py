@@ -27,7 +27,7 @@ def test_a_capture_from_the_first_click_to_the_log(whole_console: Page, tmp_path
     console.get_by_label("Speed of the simulation").select_option("2")
     expect(console.get_by_role("timer", name="Mission time")).not_to_have_text("—")
     scene = console.frame_locator("iframe[title='3D view of robot and target']")
-    expect(scene.locator("canvas").first).to_be_visible(timeout=60_000)
+    expect(scene.locator("canvas").first).to_be_visible()
 
     press(console, "Capture")
 

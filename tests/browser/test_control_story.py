@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 
-from .conftest import ARTIFACTS, running
+from .conftest import ARTIFACTS, new_context, running
 
 pytestmark = pytest.mark.browser
 
@@ -22,7 +22,7 @@ def operators(browser: Browser, tmp_path: Path) -> Iterator[tuple[Page, Page]]:
     store = TokenStore(tmp_path / "data" / "access")
     secrets = [store.create(name, Role.OPERATOR) for name in ("ana", "ben")]
     with running(tmp_path / "data", tmp_path / "serve.log", BECALM_REQUIRE_TOKENS="true") as service:
-        contexts = [browser.new_context(viewport={"width": 1440, "height": 900}) for _ in secrets]
+        contexts = [new_context(browser, viewport={"width": 1440, "height": 900}) for _ in secrets]
         pages = [context.new_page() for context in contexts]
         for page, secret in zip(pages, secrets, strict=True):
             page.route("**/scene/**", lambda route: route.abort())  # what fails there, fails there only

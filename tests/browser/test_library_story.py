@@ -24,7 +24,7 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     library = console.get_by_role("list", name="Runs", exact=True)
     console.get_by_label("Kind").select_option("scripted")
     mine = library.locator(f"a[href='#/runs/{direct}']")
-    expect(mine).to_contain_text(re.compile("caged|collision|ejection"), timeout=60_000)
+    expect(mine).to_contain_text(re.compile("caged|collision|ejection"))
     mine.click()
 
     view = console.get_by_role("region", name=f"Run {direct}")
@@ -48,7 +48,7 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
 
     library.locator(f"a[href='#/runs/{seeded}']").click()
     other = console.get_by_role("region", name=f"Run {seeded}")
-    expect(other.get_by_role("status").first).to_contain_text("finished", timeout=60_000)
+    expect(other.get_by_role("status").first).to_contain_text("finished")
     other.get_by_role("button", name="Delete").click()
     other.get_by_role("button", name="Delete for good?").click()
     expect(library.locator(f"a[href='#/runs/{seeded}']")).to_have_count(0)
@@ -71,7 +71,7 @@ def test_a_paused_mission_goes_back_and_a_run_goes_on_from_a_moment(console: Pag
     run = _flown(service, direct=True)
     console.goto(f"{service.address}/#/runs/{run}")
     view = console.get_by_role("region", name=f"Run {run}")
-    expect(view.get_by_role("status").first).to_contain_text("finished", timeout=60_000)
+    expect(view.get_by_role("status").first).to_contain_text("finished")
     view.get_by_label("Moment of the run in seconds").fill("1.5")
     view.get_by_role("button", name="Fork there").click()
     expect(console.get_by_role("list", name="Phases").locator("[aria-current=step]")).to_contain_text("Caging")

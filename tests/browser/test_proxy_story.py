@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.conftest import Service
+from tests.browser.conftest import Service, new_context
 from tests.deploy.nginx import needs_nginx, site
 
 pytestmark = [pytest.mark.browser, needs_nginx]
@@ -23,7 +23,7 @@ def proxied(browser: Browser, service: Service, tmp_path: Path) -> Iterator[Page
     port = urlsplit(service.address).port
     assert port is not None
     with site(tmp_path, "becalm-under-a-path.conf", "127.0.0.1", port) as shown:
-        context = browser.new_context(ignore_https_errors=True)
+        context = new_context(browser, ignore_https_errors=True)
         context.add_init_script("localStorage.setItem('becalm-scene', 'light')")
         page = context.new_page()
         page.goto(f"https://127.0.0.1:{shown.port}/becalm")
@@ -40,5 +40,5 @@ def test_the_console_works_under_a_path_of_another_site(proxied: Page, service: 
     phase = proxied.get_by_role("list", name="Phases").locator("[aria-current=step]")
     expect(phase).to_contain_text("Stopped")
     assert service.ask("/mission")["phase"] == "stopped"
-    expect(proxied.frame_locator("iframe").first.locator("canvas").first).to_be_visible(timeout=90_000)
+    expect(proxied.frame_locator("iframe").first.locator("canvas").first).to_be_visible()
     assert not [url for url in elsewhere if url.startswith("http")]

@@ -36,7 +36,7 @@ def test_escape_stops_while_a_field_has_the_focus(console: Page, service: Servic
 def test_escape_stops_from_within_the_scene(whole_console: Page, service: Service) -> None:
     console = whole_console
     scene = console.frame_locator("iframe[title='3D view of robot and target']")
-    scene.locator("canvas").first.click(timeout=60_000, force=True)
+    scene.locator("canvas").first.click(force=True)
     # Not by its button: where software draws the scene, the page may be held up for longer than it waits for answers.
     service.ask("/mission/commands", {"command": "detumble"})
     expect(_phase(console)).to_contain_text("Detumbling")
