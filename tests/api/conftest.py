@@ -20,7 +20,7 @@ from server.published import MissionSnapshot
 from server.settings import Settings
 from sim.capture.mission import prepare
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
 
 

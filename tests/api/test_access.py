@@ -21,7 +21,7 @@ from server.app import create_app
 from server.settings import Settings
 from sim.errors import ConfigError
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 """Bound on a wait for the disk [s]."""
 
 
@@ -47,7 +47,7 @@ def bearer(secret: str) -> dict[str, str]:
 
 
 def ask(served, method: str, path: str, secret: str | None = None, **more) -> httpx.Response:
-    with httpx.Client(base_url=served.api, trust_env=False, timeout=30) as client:
+    with httpx.Client(base_url=served.api, trust_env=False, timeout=PATIENCE) as client:
         return client.request(method, path, headers=bearer(secret) if secret else {}, **more)
 
 

@@ -160,7 +160,7 @@ def test_serve_says_where_and_ends_on_a_signal(tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert "http://127.0.0.1:" in process.stdout.readline()
         process.terminate()
-        process.wait(30)
+        process.wait(180)
 
 
 def test_replay_finds_no_difference_and_names_the_first_there_is():

@@ -131,7 +131,7 @@ def begun(study, out):
     for line in process.stderr:
         if line.startswith("Cells: "):
             return process
-    pytest.fail(f"becalm study ended with {process.wait(5)}")
+    pytest.fail(f"becalm study ended with {process.wait(180)}")
 
 
 def test_kill_9_costs_no_cell_and_counts_none_twice(tmp_path):
@@ -163,7 +163,7 @@ def test_ctrl_c_stops_and_the_same_command_goes_on(tmp_path):
     study.write_text(SLOW)
     with begun(study, out) as process:
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers as well
-        stdout, stderr = process.communicate(timeout=60)
+        stdout, stderr = process.communicate(timeout=180)
     assert process.returncode == 130
     assert stdout == ""
     assert "the same command goes on from there" in stderr

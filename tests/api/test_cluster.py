@@ -26,7 +26,7 @@ CELLS = 12
 STUDY: Study = study_of(
     {"name": "masses", "direct": True, "grid": {"control.impedance.mass": {"from": 0.1, "to": 0.6, "count": CELLS}}}
 )
-PATIENCE = 120.0
+PATIENCE = 180.0
 """For a process of Dask to be ready [s]: bounds a hang."""
 
 QUIET = ("--no-dashboard", "--host", "127.0.0.1")
@@ -46,12 +46,12 @@ def _started(stack: ExitStack, program: str, *arguments: str, says: str) -> tupl
                 return process, found[1]
     finally:
         patience.cancel()
-    pytest.fail(f"dask {program} ended with {process.wait(5)}")
+    pytest.fail(f"dask {program} ended with {process.wait(PATIENCE)}")
 
 
 def _ended(process: subprocess.Popen[str]) -> None:
     process.kill()
-    process.wait(5)
+    process.wait(PATIENCE)
     assert process.stderr is not None
     process.stderr.close()
 
@@ -119,7 +119,7 @@ def test_a_worker_that_is_killed_costs_no_cell(scheduler, workers, tmp_path):
     with StudyTable(tmp_path / "table", STUDY) as table:
         Flight(table).fly(cluster.cluster_workers(scheduler), on_row=kill_one)
         rows = list(table.rows())
-    assert workers[0].wait(10) == -signal.SIGKILL
+    assert workers[0].wait(PATIENCE) == -signal.SIGKILL
     assert sorted(flown) == list(range(CELLS))
     here = [fly_cell(CellTask(STUDY.base, STUDY.direct, STUDY.cell(index))) for index in (0, CELLS - 1)]
     assert [rows[0], rows[-1]] == here

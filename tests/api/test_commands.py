@@ -255,7 +255,7 @@ async def test_nothing_asked_before_a_stop_moves_the_arms_after_it(console, monk
 
     def hold_the_turn():
         held.set()
-        assert go_on.wait(10)
+        assert go_on.wait(180)
 
     with monkeypatch.context() as patch:
         patch.setattr(loop, "_sleep", hold_the_turn)

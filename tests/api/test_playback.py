@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed
 
 from server import playbacks
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 async def _recorded(served) -> dict:

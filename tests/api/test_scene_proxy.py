@@ -18,7 +18,7 @@ from server.api.origin import SameOrigin
 from server.scene import Scene
 from sim.config import MissionConfig
 
-PATIENCE = 10.0
+PATIENCE = 180.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
 PROTOCOL = f"viser-v{viser.__version__}"
 

@@ -51,7 +51,7 @@ def test_every_answer_is_foretold(document, path, method, mode):
         suppress_health_check=list(HealthCheck),
     )
     def check(case: schemathesis.Case) -> None:
-        answer = case.call(timeout=60)
+        answer = case.call(timeout=180)
         assert answer.status_code != 500, answer.text
         case.validate_response(answer, checks=FORETOLD)
 

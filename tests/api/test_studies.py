@@ -14,7 +14,7 @@ from server import study_queue
 from server.app import create_app
 from sim.study.design import study_of
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 """Bound on every wait [s]."""
 
 GRID = {

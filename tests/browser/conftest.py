@@ -101,7 +101,10 @@ def running(data: Path, log: Path, **environment: str) -> Iterator[Service]:
             yield service
         finally:
             process.terminate()
-            process.wait(timeout=60)
+            try:
+                process.wait(timeout=60)
+            finally:
+                process.kill()
 
 
 @pytest.fixture(scope="session")

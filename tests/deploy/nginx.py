@@ -16,7 +16,7 @@ import pytest
 from tests.deploy.ports import free_port
 
 CONFIGURATIONS = Path(__file__).parents[2] / "deploy" / "nginx"
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 needs_nginx = pytest.mark.skipif(
     not (shutil.which("nginx") and shutil.which("openssl")), reason="needs nginx and openssl"

@@ -13,7 +13,7 @@ import pytest
 from tests.deploy.ports import free_port
 
 CONTAINER = Path(__file__).parents[2] / "deploy" / "container"
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 def _healthy(what: object, **environment: str) -> int:

@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -22,8 +23,9 @@ ROOT = Path(__file__).parents[2]
 DOCKERFILE = (ROOT / "Dockerfile").read_text()
 BUILDAH = ("buildah", "--storage-driver", "vfs")
 BASE = os.environ.get("BECALM_TEST_BASE_IMAGE", "")
-PATIENCE = 120.0
+PATIENCE = 180.0
 BUILD_PATIENCE = 1800.0
+ENDING_TIME = 30.0
 
 builds = pytest.mark.skipif(
     not (shutil.which("buildah") and BASE), reason="needs buildah, and BECALM_TEST_BASE_IMAGE to build upon"
@@ -85,6 +87,15 @@ def _inside(container: str, *command: str, **environment: str) -> list[str]:
     return [*BUILDAH, "run", "--isolation", "chroot", *variables, container, "--", *command]
 
 
+def _end(process: subprocess.Popen[str]) -> None:
+    process.terminate()
+    try:
+        process.wait(ENDING_TIME)
+    except subprocess.TimeoutExpired:  # it shares its group with nobody: what it started goes with it
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait(ENDING_TIME)
+
+
 @builds
 def test_the_image_holds_no_compiler_node_or_root(container):
     looks = "id -u; for each in gcc cc node npm pip curl; do command -v $each; done; true"
@@ -98,7 +109,7 @@ def test_the_image_holds_no_compiler_node_or_root(container):
 def test_the_command_of_the_image_serves_and_becomes_healthy(container):
     environment = {"BECALM_HOST": "127.0.0.1", "BECALM_PORT": str(free_port())}
     command = _inside(container, "start", "becalm", "serve", "--no-open", **environment)
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
         try:
             assert "Becalm is ready" in process.stdout.readline()
             deadline = time.monotonic() + PATIENCE
@@ -106,5 +117,4 @@ def test_the_command_of_the_image_serves_and_becomes_healthy(container):
                 assert time.monotonic() < deadline
                 time.sleep(0.5)
         finally:
-            process.terminate()
-            process.wait(PATIENCE)
+            _end(process)

@@ -19,7 +19,7 @@ from server.versions import becalm_version
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-PATIENCE = 120.0
+PATIENCE = 180.0
 
 
 def _built(target: str, folder: Path) -> Path:

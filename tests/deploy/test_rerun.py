@@ -11,7 +11,7 @@ from server.runs import RunStore, new_record
 from server.scripted import fly
 from sim.configurations import named_configuration
 
-PATIENCE = 120.0
+PATIENCE = 180.0
 
 OPENS = """
 import sys
