@@ -7,7 +7,7 @@ session before; only what the robot stamped after it granted a session says anyt
 from __future__ import annotations
 
 from server.link.contract import RobotMode
-from server.link.streams import begins_anew
+from server.link.streams import WorstOf, begins_anew
 from server.link.wire import Report
 
 
@@ -18,6 +18,8 @@ class RobotReports:
         self.latest: Report | None = None
         self.at = 0.0
         """When it came."""
+        self.command_age = WorstOf()
+        """99 % quantiles, each of the two seconds before."""
         self._granted = 0
 
     def take(self, report: Report, at: float) -> bool:
@@ -25,7 +27,11 @@ class RobotReports:
         latest = self.latest
         if latest is not None and report.stamp < latest.stamp and not begins_anew(at, self.at):
             return False
+        followed = self.value("commands")
         self.latest, self.at = report, at
+        quantiles = self.command_ages
+        if quantiles is not None and self.value("commands") != followed:  # while none come, it tells the last ones
+            self.command_age.note(quantiles[1], at)
         return True
 
     def granted(self, stamp: int) -> None:
@@ -43,6 +49,14 @@ class RobotReports:
         """The robot's, as last told; None before, and for a word that the contract does not know."""
         latest = self.latest
         return RobotMode(latest.message) if latest is not None and latest.message in list(RobotMode) else None
+
+    @property
+    def command_ages(self) -> tuple[float, float] | None:
+        """Median and 99 % quantile [s] of the commands that the robot took last; None if it has not taken any."""
+        try:
+            return float(self.value("command_age_p50")), float(self.value("command_age_p99"))
+        except ValueError:
+            return None
 
     def value(self, key: str) -> str:
         """One of the values that it last told; empty if it did not."""

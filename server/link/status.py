@@ -11,12 +11,11 @@ from pydantic import Field
 from server.link import contract
 from server.link.contract import Channel
 from server.link.robot_link import NEEDED, RobotLink, name_of
+from server.link.streams import HISTORY_STEP
 from sim.capture.snapshot import Published
 
 QUANTILES_OF = 10.0
 """Round trips of the last seconds that quantiles are told of [s]."""
-LATENCY_SPAN, LATENCY_STEP = 60.0, 0.2
-"""How far back round trips are told, and how finely [s]."""
 
 
 class StreamStatus(Published):
@@ -68,10 +67,11 @@ class StopStatus(Published):
 
 
 class LatencyPoint(Published):
-    """The worst round trip of a fifth of a second."""
+    """The worst of a fifth of a second; null where none was."""
 
     ago: float = Field(description="How long ago [s]")
-    round_trip: float = Field(description="[s]")
+    round_trip: float | None = Field(description="Of a heartbeat [s]")
+    command_age: float | None = Field(description="99 % quantile, as the robot told it then [s]")
 
 
 class LinkStatus(Published):
@@ -198,20 +198,16 @@ def _round_trip(link: RobotLink, now: float) -> Quantiles | None:
 
 
 def _command_age(link: RobotLink) -> Quantiles | None:
-    value = link.reports.value
-    try:
-        return Quantiles(p50=float(value("command_age_p50")), p99=float(value("command_age_p99")))
-    except ValueError:
-        return None  # nothing was commanded yet
+    quantiles = link.reports.command_ages
+    return None if quantiles is None else Quantiles(p50=quantiles[0], p99=quantiles[1])
 
 
 def _latency(link: RobotLink, now: float) -> tuple[LatencyPoint, ...]:
-    worst: dict[int, float] = {}
-    for trip in link.other_clock.trips(now - LATENCY_SPAN):
-        step = int((now - trip.at) / LATENCY_STEP)
-        worst[step] = max(worst.get(step, 0.0), trip.duration)
-    steps = sorted(worst, reverse=True)
-    return tuple(LatencyPoint(ago=step * LATENCY_STEP, round_trip=worst[step]) for step in steps)
+    trips, ages = link.other_clock.worst.ago(now), link.reports.command_age.ago(now)
+    return tuple(
+        LatencyPoint(ago=step * HISTORY_STEP, round_trip=trips.get(step), command_age=ages.get(step))
+        for step in range(max([*trips, *ages], default=-1), -1, -1)
+    )
 
 
 def _stop(link: RobotLink, now: float) -> StopStatus | None:

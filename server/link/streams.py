@@ -17,7 +17,10 @@ SILENCE = 0.5
 """A source that was silent for so long, and then stamps earlier than before, has begun its clock anew [s]."""
 OFFSET_WINDOW = 30.0
 """The clock's offset is that of the quickest round trip of the last seconds [s]."""
-TRIPS_KEPT = 8192
+TRIPS_KEPT = 4096
+"""Round trips that are kept each for itself: of twenty seconds."""
+HISTORY_SPAN, HISTORY_STEP = 60.0, 0.2
+"""How far back the worst of a time is told, and how finely [s]."""
 
 
 def begins_anew(at: float, last: float) -> bool:
@@ -91,6 +94,25 @@ class Stream:
         return len(recent) / WINDOW, float(delays.std()), loss
 
 
+class WorstOf:
+    """The worst of some time in each step of the last minute; instants are `time.monotonic` [s]."""
+
+    def __init__(self) -> None:
+        self._steps: deque[tuple[int, float]] = deque(maxlen=round(HISTORY_SPAN / HISTORY_STEP))
+
+    def note(self, value: float, at: float) -> None:
+        """Note a value [s] of that instant."""
+        step = int(at / HISTORY_STEP)
+        if self._steps and self._steps[-1][0] >= step:
+            value = max(value, self._steps.pop()[1])
+        self._steps.append((step, value))
+
+    def ago(self, now: float) -> dict[int, float]:
+        """The worst of each step by how many steps ago it was, the oldest first; steps without any are left out."""
+        present = int(now / HISTORY_STEP)
+        return {present - step: value for step, value in list(self._steps) if now - step * HISTORY_STEP < HISTORY_SPAN}
+
+
 class Trip(NamedTuple):
     """A heartbeat that came back."""
 
@@ -106,6 +128,8 @@ class OtherClock:
     """The offset of the other end's clock and the time of a round trip, from heartbeats that came back."""
 
     def __init__(self) -> None:
+        self.worst = WorstOf()
+        """Round trips."""
         self._trips: deque[Trip] = deque(maxlen=TRIPS_KEPT)
         self._quickest: deque[Trip] = deque()
         """Those that are or may yet be the quickest of the window, the oldest and quickest first."""
@@ -115,6 +139,7 @@ class OtherClock:
         middle = (sent + returned) // 2
         trip = Trip(at, 1e-9 * (returned - sent), 1e-9 * (received - middle))
         self._trips.append(trip)
+        self.worst.note(trip.duration, at)
         while self._quickest and self._quickest[-1].duration >= trip.duration:
             self._quickest.pop()
         self._quickest.append(trip)

@@ -114,6 +114,11 @@ class ZenohPlant:
         """Tell the robot to stop; nothing is commanded any more in this session."""
         self._stopped = True
 
+    @property
+    def _stopping(self) -> bool:
+        """Whether a STOP was asked for here: it is sent to the robot at once, before this mission hears of it."""
+        return self._stopped or self._link.stop_sent is not None
+
     def _problem(self, joints: JointSample | None) -> str | None:
         """Why the robot cannot be flown on."""
         link, deadline = self._link, self._link.settings.deadline
@@ -138,7 +143,7 @@ class ZenohPlant:
     def _lost_session(self) -> str | None:
         """Whether the robot follows this session no more, though nobody stopped it here."""
         report = self._link.reports.of_session
-        if report is None or self._stopped:
+        if report is None or self._stopping:
             return None
         holder, why = report.values.get("session", ""), report.values.get("why", "")
         if holder != self._link.session:
@@ -147,7 +152,7 @@ class ZenohPlant:
 
     def _lagging(self, joints: JointSample) -> str | None:
         """Whether a joint does not do what it is told."""
-        if self._stopped or not self._told:
+        if self._stopping or not self._told:
             return None
         dt = 1e-9 * (joints.stamp - self._last)
         moved, told = joints.angle - self._angle, dt * np.array(self._told)

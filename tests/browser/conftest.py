@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import socket
 import subprocess
 import sys
@@ -18,23 +17,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 CONSOLE = Path(__file__).parents[2] / "server" / "static" / "index.html"
 ARTIFACTS = Path(__file__).parents[2] / "test-artifacts"
 PREPARING_TIME = 300.0
 """The controller may have to be compiled first, on a machine that does other things too [s]."""
-
-FLAGS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
-"""No sandbox within a container, and no calls to anyone."""
 
 PATIENCE = 90_000
 """For whatever a page should show or let press [ms]: reached by a hang only, also where software draws the scene."""
@@ -112,18 +100,6 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """One that everybody on this machine may use."""
     with running(tmp_path_factory.mktemp("data"), tmp_path_factory.mktemp("log") / "serve.log") as service:
         yield service
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """Headless Chromium, from $CHROMIUM or the distribution."""
-    executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
-    if executable is None:
-        pytest.skip("no Chromium: tests/browser/install_browser.sh installs one, or set CHROMIUM to its path")
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
-        yield chromium
-        chromium.close()
 
 
 CALM = """() => new Promise((calm) => {

@@ -26,7 +26,7 @@ from sim.configurations import named_configuration
 from sim.control.phases import Command
 from sim.errors import LinkLost, MissionRefused
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
 PATIENT = 5.0
 """Deadline of a console that is to notice nothing [s]: a machine that does much beside it stops for a second."""

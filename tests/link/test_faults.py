@@ -16,6 +16,7 @@ import pytest
 from ends import ROBOT_DEADLINE, SHORT, Stalled, keeping_up, until
 
 from server.link import contract, wire
+from server.link.contract import RobotMode
 from sim.control.phases import Phase
 
 PERIOD = 1 / contract.CONTROL_RATE
@@ -189,11 +190,12 @@ def test_a_console_that_falls_silent_is_held_by_the_robot_within_its_deadline(ro
 def test_stop_is_acknowledged_and_ends_the_session(robot, link, fly):
     flight = fly()
     flight.capture()
-    flight.plant.stop()
-    link.stop()
-    flight.mission.stop()
+    link.stop()  # at once, whatever the mission's thread is at
     assert link.await_stop(5.0) is not None
-    until(lambda: robot.status["mode"] == "stopped", "the robot has stopped")
+    until(lambda: link.reports.mode is RobotMode.STOPPED, "the robot says that it has stopped")
+    flight.ticks(20)
+    flight.plant.stop()
+    flight.mission.stop()
     flight.ticks(20)
     assert flight.mission.phase is Phase.STOPPED
     assert robot.at_rest()

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
-from ends import PATIENT, TRIES, Certificates, Process, Robot, becalm, until
+from ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, until
+from playwright.sync_api import Browser, expect
+
+BOUND = 1000 * PATIENCE
+"""On every wait for the page [ms]."""
 
 
 class Service:
@@ -129,6 +134,31 @@ def _capture(robot: Robot, service: Service, seed: int) -> dict[str, Any]:
     return until(lambda: m if (m := service.get("/mission"))["outcome"] or m["phase"] == "faulted" else None, "the end")
 
 
+@pytest.mark.browser
+def test_the_link_page_shows_streams_tares_and_sees_a_robot_hang_and_stop(robot, service, browser: Browser):
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
+    page.goto(f"{service.process.http.base_url}/#/link")
+    streams = page.get_by_role("table").locator("tbody tr")
+    joints = page.get_by_role("row", name="joint states").get_by_role("cell")
+    expect(page.get_by_role("status", name="Robot: Following")).to_be_visible(timeout=BOUND)
+    expect(streams).to_have_count(7, timeout=BOUND)
+    expect(joints.nth(5)).not_to_have_text(joints.nth(5).inner_text(), timeout=BOUND)  # they go on coming
+
+    page.get_by_role("button", name="Tare wrists").click()
+    expect(page.locator("[data-verdict=accepted]")).to_contain_text("counts as zero", timeout=BOUND)
+
+    robot.hang(PATIENCE)
+    expect(joints.nth(2)).to_have_text(re.compile(r"^\d{4} ms|\d s$"), timeout=BOUND)
+    robot.hang(0.001)
+    expect(joints.nth(2)).to_have_text(re.compile(r"^\d{1,2} ms"), timeout=BOUND)
+
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("status", name="Robot: Stopped")).to_contain_text("STOP from", timeout=BOUND)
+    expect(page.get_by_text("acknowledged after")).to_be_visible(timeout=BOUND)
+    page.close()
+
+
 def test_a_whole_capture_ends_caged(robot, service):
     # Where the machine stands still the arms do not see what they touch: then another one is flown.
     ends = (_capture(robot, service, seed) for seed in range(1, TRIES + 1))
@@ -136,7 +166,7 @@ def test_a_whole_capture_ends_caged(robot, service):
     assert ended is not None, service.get("/mission")
     assert ended["phase"] == "holding"
     assert ended["contacts"]
-    run = service.get(f"/runs/{ended['run_id']}")
+    run = until(lambda: r if (r := service.get(f"/runs/{ended['run_id']}"))["outcome"] else None, "the run's verdict")
     assert run["outcome"]["caged"]
     robot.restart()  # arms that hold a target are never quite at rest
 

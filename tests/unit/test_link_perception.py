@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from server.link.perception import BodyEstimate, Noise, Perception
-from server.link.streams import OtherClock, Stream
+from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
 from server.link.wire import JointSample, PlaneSample
 from sim.configurations import named_configuration
 from sim.plant.plant import PLANT_STATE
@@ -161,3 +161,12 @@ def test_what_was_overtaken_by_seconds_is_not_taken_for_a_clock_that_began_anew(
     assert stream.latest == 9_000_000_000
     assert stream.arrive(10_000_000, np.ones(3), 3.0)
     assert stream.latest == 10_000_000
+
+
+def test_the_worst_of_each_step_is_kept_for_a_minute():
+    worst = WorstOf()
+    for value, at in ((0.002, 100.01), (0.009, 100.05), (0.001, 100.19), (0.004, 100.61)):
+        worst.note(value, at)
+    assert list(worst.ago(101.0).items()) == [(5, 0.009), (2, 0.004)]
+    assert worst.ago(100.21 + HISTORY_SPAN)
+    assert not worst.ago(100.9 + HISTORY_SPAN)

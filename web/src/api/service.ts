@@ -12,6 +12,7 @@ import type {
   ControlStatus,
   Health,
   History,
+  LinkStatus,
   MissionConfiguration,
   MissionEvent,
   NamedConfiguration,
@@ -27,6 +28,7 @@ import type {
   StudyPage,
   StudyRequest,
   StudyRowPage,
+  Tared,
 } from "./types";
 
 const client = createClient<paths>({ baseUrl: HERE });
@@ -84,6 +86,11 @@ export const readControl = (): Promise<ControlStatus> => bodyOf(client.GET("/api
 
 export const changeControl = (body: ControlRequest): Promise<CommandAnswer> =>
   bodyOf(client.POST("/api/v1/mission/control", { body, ...within(ANSWER_TIME) }));
+
+export const readLink = (): Promise<LinkStatus> => bodyOf(client.GET("/api/v1/link", within(2000)));
+
+/** What both wrists of the robot read now counts as zero. */
+export const tareWrists = (): Promise<Tared> => bodyOf(client.POST("/api/v1/link/tare", within(ANSWER_TIME)));
 
 export const readConfiguration = (): Promise<MissionConfiguration> =>
   bodyOf(client.GET("/api/v1/mission/config", within(ANSWER_TIME)));

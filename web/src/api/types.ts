@@ -32,6 +32,10 @@ export type Problem = MissionSnapshot["problems"][number];
 export type Command = CommandRequest["command"];
 export type Severity = MissionEvent["severity"];
 
+export type LinkStatus = Answer<paths["/api/v1/link"]["get"]>;
+export type StreamStatus = LinkStatus["streams"][number];
+export type Tared = Answer<paths["/api/v1/link/tare"]["post"]>;
+
 export type StudyPage = Answer<paths["/api/v1/studies"]["get"]>;
 export type StudySummary = StudyPage["studies"][number];
 export type StudyDetail = Answer<paths["/api/v1/studies/{study_id}"]["get"]>;

@@ -1,5 +1,6 @@
 /** The frame of every page: who and what at the top, STOP within reach, one page below. */
 import { LibraryPage } from "../features/library/LibraryPage";
+import { LinkPage } from "../features/link/LinkPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
 import { useView } from "../store/context";
 import { Boundary } from "./Boundary";
@@ -23,6 +24,9 @@ export function Shell() {
       </Boundary>
       <Boundary what="The page of studies">
         <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+      </Boundary>
+      <Boundary what="The page of the link">
+        <LinkPage shown={page === "link"} />
       </Boundary>
     </div>
   );

@@ -47,7 +47,7 @@ function AngleSwitch() {
   );
 }
 
-const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies" };
+const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies", link: "Link" };
 
 function Pages({ shown }: { readonly shown: Page }) {
   return (

@@ -1,7 +1,7 @@
 /** Which page is shown: the part of the address behind `#`, so that it works under any path and a page can be kept. */
 import { useSyncExternalStore } from "react";
 
-export const PAGES = ["mission", "runs", "studies"] as const;
+export const PAGES = ["mission", "runs", "studies", "link"] as const;
 export type Page = (typeof PAGES)[number];
 
 export interface Route {

@@ -163,7 +163,7 @@ export class Chart {
   }
 }
 
-const axis = (colours: CanvasColours): uPlot.Axis => ({
+export const axis = (colours: CanvasColours): uPlot.Axis => ({
   gap: 4,
   stroke: colours.faint,
   font: "11px Inter, sans-serif",

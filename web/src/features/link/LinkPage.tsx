@@ -1,0 +1,60 @@
+/** The robot at the other end: what it does, for whom, and how well it is heard. */
+import { useView } from "../../store/context";
+import { LatencyPlot } from "./LatencyPlot";
+import styles from "./LinkPage.module.css";
+import { RobotPanel } from "./RobotPanel";
+import { StreamTable } from "./StreamTable";
+import { TimingPanel } from "./TimingPanel";
+import { useLink } from "./use-link";
+
+const EMULATOR = "becalm robot --listen tcp/127.0.0.1:7447";
+const CONSOLE = "becalm serve --plant zenoh --connect tcp/127.0.0.1:7447";
+
+function Simulated() {
+  return (
+    <section className={styles.simulated} aria-label="No robot">
+      <h2>The simulation is flown: there is no link</h2>
+      <p>
+        With one setting the same console, controller and log fly a robot at the other end of zenoh. Who has none starts an emulated
+        air-bearing testbed, with noise, delay and faults on demand:
+      </p>
+      <pre tabIndex={0} aria-label="Commands to type">
+        <code>
+          {EMULATOR}
+          {"\n"}
+          {CONSOLE}
+        </code>
+      </pre>
+      <p>A ROS 2 robot needs no code of Becalm, only the topics of its contract: docs/link.md has the table.</p>
+    </section>
+  );
+}
+
+export function LinkPage({ shown }: { readonly shown: boolean }) {
+  const { link, old, refusal } = useLink(shown);
+  const trust = useView((view) => view.trust);
+  const stale = old || trust === "stale";
+  return (
+    <main className={styles.page} hidden={!shown} data-trust={stale ? "stale" : undefined} aria-label="Robot link">
+      {stale && (
+        <p className={styles.old} role="alert">
+          What is shown is old: {refusal?.message ?? "the service does not answer."}
+        </p>
+      )}
+      {link === null && !stale && <p className={styles.old}>Asking the service.</p>}
+      {link?.plant === "simulation" && <Simulated />}
+      {link?.plant === "zenoh" && (
+        <div className={styles.columns}>
+          <div className={styles.side}>
+            <RobotPanel link={link} />
+            <TimingPanel link={link} />
+          </div>
+          <div className={styles.wide}>
+            <StreamTable link={link} />
+            <LatencyPlot link={link} shown={shown} />
+          </div>
+        </div>
+      )}
+    </main>
+  );
+}

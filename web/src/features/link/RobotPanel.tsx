@@ -1,0 +1,105 @@
+/** What the robot does and for whom, and the taring of its wrists. */
+import { Button, Tooltip } from "@mantine/core";
+import { useState } from "react";
+import { Panel } from "../../app/Panel";
+import { useDoing } from "../../app/use-doing";
+import { tareWrists } from "../../api/service";
+import type { LinkStatus } from "../../api/types";
+import { Icon } from "../../theme/Icon";
+import { useReasonByRole } from "../access/session";
+import styles from "./LinkPage.module.css";
+import { age, holderOf, modeOf, sentence } from "./words";
+
+/** Asks the robot to take what its wrists read now as zero, and shows what became of it. */
+function Tare({ tared }: { readonly tared: boolean | null }) {
+  const against = useReasonByRole("operator");
+  const { doing, waiting, refusal } = useDoing();
+  const [told, setTold] = useState("");
+  const tare = async () => {
+    setTold("");
+    setTold((await tareWrists()).message);
+  };
+  return (
+    <div className={styles.tare}>
+      <Tooltip label={against ?? "What both wrists read now counts as zero from here on. Let the hands touch nothing."}>
+        <Button
+          data-disabled={against !== null}
+          aria-disabled={against !== null}
+          aria-busy={waiting}
+          loading={waiting}
+          onClick={() => {
+            if (against === null) void doing(tare);
+          }}
+        >
+          Tare wrists
+        </Button>
+      </Tooltip>
+      <p role="status" aria-live="polite" data-verdict={waiting ? "waiting" : refusal ? "refused" : told === "" ? undefined : "accepted"}>
+        {refusal ? (
+          <span className={styles.word} data-tone="error">
+            <Icon sign="cross" size={12} /> {sentence(refusal.message)} {sentence(refusal.tip)}
+          </span>
+        ) : told !== "" ? (
+          <span className={styles.word} data-tone="calm">
+            <Icon sign="check" size={12} /> Tared: {told}.
+          </span>
+        ) : (
+          tared !== null && <span>{tared ? "Tared since the robot was started." : "Not tared since the robot was started."}</span>
+        )}
+      </p>
+    </div>
+  );
+}
+
+function Facts({ link }: { readonly link: LinkStatus }) {
+  const { robot, stop } = link;
+  const facts: readonly (readonly [string, string])[] = [
+    ["Held by", holderOf(link)],
+    ["Robot's session", given(link.holder, "—")],
+    ["This console's", given(link.session, "—")],
+    ["Commands followed", String(robot?.commands ?? "—")],
+    ["Refused by it", String(robot?.refused ?? "—")],
+    ["Last refusal", given(robot?.last_refusal, "none")],
+    ["Last STOP", stop === null ? "none" : stopWords(stop)],
+    ["Contract", `robot ${given(robot?.contract, "—")}, console ${link.contract}`],
+    ["Endpoints", link.endpoints.join(", ")],
+  ];
+  return (
+    <dl className={styles.facts}>
+      {facts.map(([name, value]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+/** What there is, or a word for that there is nothing. */
+const given = (text: string | undefined, otherwise: string): string => (text === undefined || text === "" ? otherwise : text);
+
+const stopWords = (stop: NonNullable<LinkStatus["stop"]>): string =>
+  stop.acknowledged_after === null
+    ? `sent ${age(stop.age)} ago, not acknowledged`
+    : `acknowledged after ${age(stop.acknowledged_after)}`;
+
+export function RobotPanel({ link }: { readonly link: LinkStatus }) {
+  const mode = modeOf(link);
+  return (
+    <Panel title="Robot" dated>
+      <div className={styles.mode} data-tone={mode.tone} role="status" aria-label={`Robot: ${mode.word}`}>
+        <Icon sign={mode.sign} size={26} />
+        <strong>{mode.word}</strong>
+        <p>{mode.detail}</p>
+      </div>
+      {link.problem !== null && (
+        <p className={styles.problem} role="alert">
+          <Icon sign="error" /> It cannot be flown now: {link.problem}.
+        </p>
+      )}
+      <Facts link={link} />
+      <Tare tared={link.robot?.tared ?? null} />
+    </Panel>
+  );
+}
