@@ -6,13 +6,13 @@ import { useDoing } from "../../app/use-doing";
 import { tareWrists } from "../../api/service";
 import type { LinkStatus } from "../../api/types";
 import { Icon } from "../../theme/Icon";
-import { useReasonByRole } from "../access/session";
+import { useReasonAgainstCommanding } from "../control/control";
 import styles from "./LinkPage.module.css";
 import { age, holderOf, modeOf, sentence } from "./words";
 
 /** Asks the robot to take what its wrists read now as zero, and shows what became of it. */
 function Tare({ tared }: { readonly tared: boolean | null }) {
-  const against = useReasonByRole("operator");
+  const against = useReasonAgainstCommanding();
   const { doing, waiting, refusal } = useDoing();
   const [told, setTold] = useState("");
   const tare = async () => {
