@@ -1,14 +1,15 @@
 """Studies on a Dask cluster: the workers behind a scheduler's address as one `concurrent.futures.Executor`.
 
-A worker that dies costs no cell: the scheduler hands its cells to another. One that runs other code than this
-process is refused, since rows of two versions must not meet in one table.
+A worker that dies costs no cell: the scheduler hands its cells to another. A scheduler that dies breaks the
+executor; the study goes on if another answers at the same address, else it ends and keeps its rows. A worker that
+runs other code than this process is refused, since rows of two versions must not meet in one table.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import BrokenExecutor, Executor, Future
 from functools import partial
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -25,6 +26,9 @@ _R = TypeVar("_R")
 
 CONNECTING_TIME = 10.0
 """For the scheduler to answer, and again for a worker to be there [s]."""
+
+CONNECTED = "running"
+"""Dask's word for a client that has its scheduler."""
 
 
 def cluster_workers(scheduler: str) -> Workers:
@@ -52,6 +56,7 @@ class ClusterExecutor(Executor):
             WorkersUnavailable: see `cluster_workers`.
 
         """
+        self._scheduler = scheduler
         self._client = _connected(scheduler)
         try:
             self._require_same_code(scheduler)
@@ -66,9 +71,17 @@ class ClusterExecutor(Executor):
         return sum(self._client.nthreads().values())
 
     def submit(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_R]:
-        """As every executor; a worker that joined later is asked for its code as well."""
-        future: Future[_R] = self._executor.submit(_run_same_code, code_fingerprint(), function, *args, **kwargs)
-        return future
+        """As every executor; a worker that joined later is asked for its code as well.
+
+        Raises:
+            BrokenExecutor: the scheduler is lost. What was with it by then is cancelled; what came after never ends.
+
+        """
+        if self._client.status == CONNECTED:
+            future: Future[_R] = self._executor.submit(_run_same_code, code_fingerprint(), function, *args, **kwargs)
+            if self._client.status == CONNECTED:
+                return future
+        raise BrokenExecutor(f"the Dask scheduler at {self._scheduler} is lost")
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Wait for what has been submitted, or give it up, and disconnect."""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
 from contextlib import ExitStack
 
 import pytest
@@ -124,3 +127,32 @@ def test_a_worker_that_is_killed_costs_no_cell(scheduler, workers, tmp_path):
     here = [fly_cell(CellTask(STUDY.base, STUDY.direct, STUDY.cell(index))) for index in (0, CELLS - 1)]
     assert [rows[0], rows[-1]] == here
     assert all(row["error"] is None for row in rows)
+
+
+def test_a_scheduler_that_is_killed_ends_the_study_and_costs_no_row(tmp_path, monkeypatch):
+    flown: list[int] = []
+    with ExitStack() as stack:
+        process, address = _started(stack, "scheduler", "--port", "0", says=r"Scheduler at:\s+(tcp://\S+)")
+        _started(stack, "worker", address, "--nthreads", "1", "--no-nanny", says=r"Registered to:\s+(\S+)")
+        bystander = cluster.ClusterExecutor(address)
+
+        def kill_it(row) -> None:
+            flown.append(row["cell"])
+            if len(flown) == 3:
+                monkeypatch.setattr(cluster, "CONNECTING_TIME", 1.0)
+                process.kill()
+
+        with StudyTable(tmp_path / "table", STUDY) as table:
+            with pytest.raises(WorkersUnavailable, match=f"no Dask scheduler answers at {address}"):
+                Flight(table).fly(cluster.cluster_workers(address), on_row=kill_it)
+            assert [row["cell"] for row in table.rows()] == sorted(flown)
+        with pytest.raises(BrokenExecutor, match=f"the Dask scheduler at {address} is lost"):
+            _submit_until_refused(bystander)
+        bystander.shutdown(wait=False)
+
+
+def _submit_until_refused(executor: cluster.ClusterExecutor) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        executor.submit(os.getpid)
+        time.sleep(0.1)
