@@ -52,6 +52,9 @@ CLAIM_NAME = ".writing"
 SYNC_PERIOD = 0.5
 """Wall time between two orders to the disk itself [s]: what a power cut may cost."""
 
+LOST_AT_MOST = 1.0
+"""Wall time that a crash or a power cut may cost [s]: half of it, and as much for a slow disk."""
+
 SLACK = 1e-6
 """Mission times closer than this are the same [s]: no tick is as short."""
 

@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from server.run_folder import (
     CANCEL_NAME,
     CLAIM_NAME,
+    LOST_AT_MOST,
     RECORD_NAME,
     TICK_CHANNEL,
     Remarks,
@@ -32,12 +33,10 @@ from server.run_folder import (
     write_record,
     write_remarks,
 )
+from server.run_upgrade import upgraded
 from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
-
-LOST_AT_MOST = 1.0
-"""Wall time that a crash or a power cut may cost [s]: half of it, and as much for a slow disk."""
 
 log = logging.getLogger(__name__)
 
@@ -99,10 +98,11 @@ class RunStore:
             return None
 
     def record(self, run_id: str) -> RunRecord:
-        """The record of this run, recovered first if the process that wrote it is gone.
+        """The record of this run, recovered first if the process that wrote it is gone, or of an earlier version.
 
         Raises:
             RunNotFound: there is none with that identifier.
+            ValidationError: its record is damaged, or of a version that is not known.
 
         """
         folder = self._folder(run_id)
@@ -110,6 +110,10 @@ class RunStore:
             record = read_record(folder)
         except FileNotFoundError:
             raise _not_found(run_id) from None
+        except ValidationError:
+            if not upgraded(folder):
+                raise
+            record = read_record(folder)
         if record.integrity is None and record.status != "queued" and not is_claimed(folder / CLAIM_NAME):
             record = _recovered(folder)
         return record
