@@ -54,10 +54,11 @@ client: .venv/dev.stamp ## write web/openapi.json anew from the service; the bui
 docs: .venv/dev.stamp ## build the documentation into site/, strictly
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
-bench: .venv/dev.stamp ## measure everything; takes six minutes, wants a quiet machine
+bench: .venv/dev.stamp ## measure everything; takes ten minutes, wants a quiet machine
 	-$(BIN)/python -m benchmarks.simulation
 	-$(BIN)/python -m benchmarks.study
-	$(BIN)/python -m benchmarks.service $(ARGS)
+	-$(BIN)/python -m benchmarks.service
+	$(BIN)/python -m benchmarks.soak --minutes 5 $(ARGS)
 
 lock: .venv/bin/uv ## resolve requirements.lock anew
 	$(BIN)/uv pip compile --quiet --universal --all-extras --upgrade --python-version 3.11 \

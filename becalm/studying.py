@@ -92,12 +92,13 @@ def chosen_study(name_or_file: str, changes: Mapping[str, Any], seed: int | None
         ConfigError: there is none, or it cannot be.
 
     """
-    study = NAMED_STUDIES.get(name_or_file)
-    if study is None and not Path(name_or_file).exists():
+    if name_or_file in NAMED_STUDIES:
+        study = NAMED_STUDIES[name_or_file]()
+    elif Path(name_or_file).exists():
+        study = read_study(Path(name_or_file))
+    else:
         known = ", ".join(NAMED_STUDIES)
         raise ConfigError(f"study = {name_or_file!r} is neither a named study ({known}) nor a file")
-    if study is None:
-        study = read_study(Path(name_or_file))
     return altered(study, changes, seed)
 
 

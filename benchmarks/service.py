@@ -1,8 +1,8 @@
-"""How the running service behaves under load: `python -m benchmarks.service`; about three minutes.
+"""How the running service behaves under load: `python -m benchmarks.service`; about two minutes.
 
 A real service in a process of its own, and its readers in another. Figures are ratios and invariants, so that those
 of different machines compare: lateness relative to the 5 ms of mission.md, snapshots received relative to those
-asked for, rates relative to real time, memory relative to the beginning. An hour of soak is `--soak 3600`.
+asked for, rates relative to real time.
 """
 
 from __future__ import annotations
@@ -178,23 +178,7 @@ def _export_time(reader: RunReader, log_format: str) -> float:
     return time.perf_counter() - before
 
 
-def soak(running: Running, duration: float) -> Figures:
-    """Memory while captures fly one after another with a reader, relative to what it was after the first."""
-    until, sizes = time.monotonic() + duration, []
-    while time.monotonic() < until or len(sizes) < 3:
-        command(running, "reset")
-        command(running, "capture")
-        readers(running.port, 1, 12.0)
-        sizes.append(running.samples()["process_resident_memory_bytes",])
-    return {
-        "captures": float(len(sizes)),
-        "memory after the first, MB": sizes[0] / 1e6,
-        "memory at the end, of that after the first": sizes[-1] / sizes[0],
-        "most memory, of that after the first": max(sizes) / sizes[0],
-    }
-
-
-def measured(soak_time: float) -> dict[str, Figures]:
+def measured() -> dict[str, Figures]:
     """Every table."""
     tables: dict[str, Figures] = {}
     with tempfile.TemporaryDirectory() as name:
@@ -209,14 +193,12 @@ def measured(soak_time: float) -> dict[str, Figures]:
             }
             tables["Lateness of ticks"] = lateness(running, WATCHED)
             tables["Telemetry to many"] = fan_out(running)
-            tables[f"Memory over {soak_time:g} s of captures"] = soak(running, soak_time)
     return tables
 
 
 def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--soak", type=float, default=60.0, help="how long captures fly one after another [s]")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument("--read", nargs=3, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -224,7 +206,7 @@ def main() -> int:
         port, clients, duration = arguments.read
         print(asyncio.run(_read(int(port), int(clients), float(duration))))
         return 0
-    tables = measured(arguments.soak)
+    tables = measured()
     if arguments.json:
         print(json.dumps(tables, indent=2))
         return 0

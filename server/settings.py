@@ -126,7 +126,9 @@ class Settings(BaseModel):
             ConfigError: no configuration has that name, or the changes do not fit it.
 
         """
-        return revised(named_configuration(self.configuration), self.changes)
+        named = named_configuration(self.configuration)
+        # As it is, it is known to be possible; to look at it loads compiled code, for which the first page would wait.
+        return revised(named, self.changes) if self.changes else named
 
     @property
     def tokens_required(self) -> bool:

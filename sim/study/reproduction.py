@@ -14,7 +14,7 @@ from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
 from sim.study.design import Study, configured, study_of
-from sim.study.published import DAMPING, MASS, PUBLISHED_STUDY, STIFFNESS, Impedance, published_classes
+from sim.study.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes, published_study
 from sim.study.run import Row
 
 
@@ -47,7 +47,7 @@ def fly_row(study: Study, row: Row) -> Flown:
 
 def tables_study(configuration: str, every: int) -> Study:
     """The paper's 484 cells with the constants of that configuration, or every so manieth damping and stiffness."""
-    grid = {path: list(axis.listed()) for path, axis in PUBLISHED_STUDY.grid.items()}
+    grid = {path: list(axis.listed()) for path, axis in published_study().grid.items()}
     for path in (DAMPING, STIFFNESS):
         grid[path] = grid[path][::every]
     return study_of({"name": configuration, "configuration": configuration, "grid": grid})

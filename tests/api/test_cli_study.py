@@ -17,7 +17,7 @@ from becalm import studying
 from becalm.cli import main
 from sim.capture.snapshot import OutcomeClass
 from sim.study import flight
-from sim.study.published import PUBLISHED_STUDY
+from sim.study.published import published_study
 
 MASS, SPIN = "control.impedance.mass", "target.initial_spin"
 SMALL = """
@@ -102,7 +102,7 @@ def test_format_and_changes(small, tmp_path, in_this_process):
 
 def test_agreement_is_told_of_the_published_study(tmp_path, in_this_process, monkeypatch):
     fly_cell = flight.fly_cell
-    flown = fly_cell(flight.CellTask(PUBLISHED_STUDY.base, False, PUBLISHED_STUDY.cell(0)))
+    flown = fly_cell(flight.CellTask(published_study().base, False, published_study().cell(0)))
     monkeypatch.setattr(flight, "fly_cell", lambda task: {**flown, "cell": task.cell.index, **task.cell.values})
     out = tmp_path / "published.csv"
     document = json.loads(_invoke("published", "--out", out, "--json").stdout)

@@ -10,7 +10,7 @@ import pytest
 
 from sim.study.design import study_of
 from sim.study.executors import LocalProcesses, fly_cells
-from sim.study.published import PUBLISHED_STUDY, Impedance, agreement, published_classes
+from sim.study.published import Impedance, agreement, published_classes, published_study
 from sim.study.run import CellTask, fly_cell
 from sim.study.table import StudyTable
 
@@ -96,8 +96,8 @@ def test_a_study_that_was_cut_off_goes_on_where_it_was(serial, tmp_path):
 
 def test_cells_all_over_the_published_tables_agree():
     printed = published_classes()
-    places = [cell.index for cell in PUBLISHED_STUDY.cells() if Impedance(*cell.values.values()) in printed]
-    rows = [fly_cell(task) for task in tasks(PUBLISHED_STUDY, places[::SAMPLE_STEP])]
+    places = [cell.index for cell in published_study().cells() if Impedance(*cell.values.values()) in printed]
+    rows = [fly_cell(task) for task in tasks(published_study(), places[::SAMPLE_STEP])]
     tables = agreement(rows)
     assert sum(table.cells for table in tables) == 12
     assert sum(table.agreeing for table in tables) >= SAMPLE_AGREEING

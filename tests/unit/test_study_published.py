@@ -14,7 +14,6 @@ from sim.study.design import study_of
 from sim.study.published import (
     DAMPING,
     MASS,
-    PUBLISHED_STUDY,
     STIFFNESS,
     Impedance,
     agreement,
@@ -22,6 +21,7 @@ from sim.study.published import (
     is_comparable,
     named_study,
     published_classes,
+    published_study,
 )
 
 
@@ -35,22 +35,22 @@ def rows_as_printed():
 
 class TestStudy:
     def test_has_the_papers_484_cells(self):
-        values = {tuple(cell.values.values()) for cell in PUBLISHED_STUDY.cells()}
-        assert PUBLISHED_STUDY.count == len(values) == 484
-        assert PUBLISHED_STUDY.shape == (4, 11, 11, 1)
+        values = {tuple(cell.values.values()) for cell in published_study().cells()}
+        assert published_study().count == len(values) == 484
+        assert published_study().shape == (4, 11, 11, 1)
         assert set(published_classes()) < {Impedance(*cell) for cell in values}
 
     def test_flies_the_published_configuration_at_its_spin(self):
-        assert PUBLISHED_STUDY.base == named_configuration("published")
-        assert value_at(PUBLISHED_STUDY.base, "target.initial_spin") == 1.0
+        assert published_study().base == named_configuration("published")
+        assert value_at(published_study().base, "target.initial_spin") == 1.0
 
     def test_is_found_by_its_name(self):
-        assert named_study("published") is PUBLISHED_STUDY
+        assert named_study("published") is published_study()
         with pytest.raises(ConfigError, match=r"publishd.*published"):
             named_study("publishd")
 
     def test_can_be_compared_under_other_settings_but_not_over_other_cells(self):
-        definition = PUBLISHED_STUDY.definition()
+        definition = published_study().definition()
         assert is_comparable(study_of({**definition, "configuration": "as_printed"}))
         assert not is_comparable(study_of({**definition, "direct": True}))
         assert not is_comparable(study_of({"grid": {MASS: [0.1]}}))
