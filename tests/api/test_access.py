@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+from functools import partial
 
 import httpx
 import pytest
 from click.testing import CliRunner
 from starlette.routing import Route, WebSocketRoute
-from websockets.asyncio.client import connect
+from websockets.asyncio import client as websocket
 from websockets.exceptions import InvalidStatus
 
 import becalm
@@ -23,6 +24,8 @@ from sim.errors import ConfigError
 
 PATIENCE = 180.0
 """Bound on a wait for the disk [s]."""
+
+connect = partial(websocket.connect, open_timeout=PATIENCE)
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +120,7 @@ def test_the_client_says_why_it_gets_no_telemetry(guarded, secrets):
 
 
 def test_a_browser_keeps_the_token_in_a_cookie_no_script_reads(guarded, secrets):
-    with httpx.Client(base_url=guarded.api, trust_env=False) as browser:
+    with httpx.Client(base_url=guarded.api, trust_env=False, timeout=PATIENCE) as browser:
         answer = browser.post("/session", json={"token": secrets[Role.OPERATOR]})
         assert answer.json() == {"token_needed": True, "name": "a-operator", "role": "operator"}
         cookie = answer.headers["set-cookie"]
@@ -173,7 +176,7 @@ def test_every_route_has_a_rule(tmp_path):
 
 def test_every_answer_carries_the_security_headers(guarded):
     for path in ("/", "/api/v1/health", "/api/v1/mission", "/nothing"):
-        headers = httpx.get(guarded.api.removesuffix("/api/v1") + path, trust_env=False).headers
+        headers = httpx.get(guarded.api.removesuffix("/api/v1") + path, trust_env=False, timeout=PATIENCE).headers
         assert "default-src 'self'" in headers["content-security-policy"]
         assert headers["x-content-type-options"] == "nosniff"
 

@@ -4,25 +4,40 @@ from __future__ import annotations
 
 import asyncio
 import json
+import time
+from functools import partial
 
 import httpx
 import pytest
 import viser
-from websockets.asyncio.client import connect
+from websockets.asyncio import client as websocket
 from websockets.exceptions import ConnectionClosed
 
 from server import playbacks
+from server.settings import Settings
 
 PATIENCE = 180.0
 
+connect = partial(websocket.connect, open_timeout=PATIENCE)
 
-async def _recorded(served) -> dict:
+
+@pytest.fixture(scope="module")
+def served(serving, tmp_path_factory):
+    """One service for all of them; they leave nothing behind but the run."""
+    with serving(Settings(data_dir=tmp_path_factory.mktemp("data"))) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def run(served) -> dict:
     """A scripted run that has ended."""
-    async with httpx.AsyncClient(base_url=served.api, timeout=PATIENCE) as http, asyncio.timeout(PATIENCE):
-        run = (await http.post("/runs", json={"direct": True})).json()
+    deadline = time.monotonic() + PATIENCE
+    with httpx.Client(base_url=served.api, timeout=PATIENCE) as http:
+        run = http.post("/runs", json={"direct": True}).json()
         while run["status"] not in ("finished", "failed"):
-            await asyncio.sleep(0.05)
-            run = (await http.get(f"/runs/{run['id']}")).json()
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+            run = http.get(f"/runs/{run['id']}").json()
     assert run["status"] == "finished"
     return run
 
@@ -36,26 +51,24 @@ async def _next(socket) -> dict:
         return json.loads(await socket.recv())
 
 
-async def _shown(socket, time: float) -> dict:
-    await socket.send(json.dumps({"type": "show", "time": time}))
+async def _shown(socket, moment: float) -> dict:
+    await socket.send(json.dumps({"type": "show", "time": moment}))
     return await _next(socket)
 
 
-async def test_any_moment_is_shown_and_told(served):
-    run = await _recorded(served)
+async def test_any_moment_is_shown_and_told(served, run):
     async with _watching(served, run["id"]) as watcher:
         opened = await _next(watcher)
         assert opened["end"] == pytest.approx(run["duration"])
-        late, early = [await _shown(watcher, time) for time in (opened["end"], 0.5)]
+        late, early = [await _shown(watcher, moment) for moment in (opened["end"], 0.5)]
     assert late["outcome"] == run["outcome"]
     assert (early["type"], early["tick"], early["outcome"]) == ("snapshot", 500, None)
     assert early["run_id"] == run["id"]
 
 
-async def test_its_scene_is_served_as_long_as_somebody_watches(served):
-    run = await _recorded(served)
+async def test_its_scene_is_served_as_long_as_somebody_watches(served, run):
     root = f"http://127.0.0.1:{served.port}"
-    async with httpx.AsyncClient() as http:
+    async with httpx.AsyncClient(timeout=PATIENCE) as http:
         async with _watching(served, run["id"]) as watcher:
             scene = (await _next(watcher))["scene"]
             page = await http.get(root + scene)
@@ -70,9 +83,11 @@ async def test_its_scene_is_served_as_long_as_somebody_watches(served):
                 await asyncio.sleep(0.02)
 
 
-async def test_camera_and_layers_are_its_own(served):
-    run = await _recorded(served)
-    async with _watching(served, run["id"]) as watcher, httpx.AsyncClient(base_url=served.api) as http:
+async def test_camera_and_layers_are_its_own(served, run):
+    async with (
+        _watching(served, run["id"]) as watcher,
+        httpx.AsyncClient(base_url=served.api, timeout=PATIENCE) as http,
+    ):
         await _next(watcher)
         await watcher.send(json.dumps({"type": "arrange", "camera": "top", "layers": {"trails": False}}))
         await _shown(watcher, 1.0)
@@ -90,8 +105,7 @@ async def test_camera_and_layers_are_its_own(served):
         ('{"type":"arrange","layers":{"stars":true}}', "stars"),
     ],
 )
-async def test_what_is_no_message_is_told_and_the_watching_goes_on(served, message, named):
-    run = await _recorded(served)
+async def test_what_is_no_message_is_told_and_the_watching_goes_on(served, run, message, named):
     async with _watching(served, run["id"]) as watcher:
         await _next(watcher)
         await watcher.send(message)
@@ -109,18 +123,25 @@ async def test_a_run_that_is_none_is_refused_with_a_reason(served):
             await watcher.recv()
 
 
-async def test_only_so_many_at_once(served, monkeypatch):
-    monkeypatch.setattr(playbacks, "AT_ONCE", 1)
-    run = await _recorded(served)
-    async with _watching(served, run["id"]) as watcher:
-        await _next(watcher)
-        async with _watching(served, run["id"]) as second:
-            assert (await _next(second))["problem"]["status"] == 503
+async def _opened(served, run) -> None:
+    """Wait until it may be watched: who watched before may still be leaving."""
     async with asyncio.timeout(PATIENCE):
         while True:
-            async with _watching(served, run["id"]) as again:
-                if (await _next(again))["type"] == "opened":
+            async with _watching(served, run["id"]) as watcher:
+                if (await _next(watcher))["type"] == "opened":
+                    return
+
+
+async def test_only_so_many_at_once(served, run, monkeypatch):
+    monkeypatch.setattr(playbacks, "AT_ONCE", 1)
+    async with asyncio.timeout(PATIENCE):
+        while True:
+            async with _watching(served, run["id"]) as watcher:
+                if (await _next(watcher))["type"] == "opened":
+                    async with _watching(served, run["id"]) as second:
+                        assert (await _next(second))["problem"]["status"] == 503
                     break
+    await _opened(served, run)
 
 
 async def test_the_live_scene_is_arranged_over_rest(console):

@@ -59,7 +59,7 @@ def socket_of(address, origin=None, subprotocols=(PROTOCOL,)):
 
 
 def test_the_page_comes_dressed_and_only_into_our_own_frames(address):
-    page = httpx.get(f"http://{address}/scene/", trust_env=False)
+    page = httpx.get(f"http://{address}/scene/", trust_env=False, timeout=PATIENCE)
     assert page.status_code == 200
     assert page.headers["content-type"].startswith("text/html")
     assert "frame-ancestors 'self'" in page.headers["content-security-policy"]
@@ -67,13 +67,13 @@ def test_the_page_comes_dressed_and_only_into_our_own_frames(address):
 
 
 def test_without_its_slash_the_page_is_still_found(address):
-    answer = httpx.get(f"http://{address}/scene", trust_env=False)
+    answer = httpx.get(f"http://{address}/scene", trust_env=False, timeout=PATIENCE)
     assert answer.is_redirect
     assert answer.headers["location"] == "/scene/"
 
 
 def test_files_that_viser_has_not_are_not_found(address):
-    assert httpx.get(f"http://{address}/scene/nothing.js", trust_env=False).status_code == 404
+    assert httpx.get(f"http://{address}/scene/nothing.js", trust_env=False, timeout=PATIENCE).status_code == 404
 
 
 @pytest.mark.parametrize("own", [True, False])
@@ -104,6 +104,6 @@ def test_a_scene_that_is_gone_is_said_to_be():
     with socket.create_server(("127.0.0.1", 0)) as unused:
         port = unused.getsockname()[1]
     with served(port) as address:
-        assert httpx.get(f"http://{address}/scene/", trust_env=False).status_code == 503
+        assert httpx.get(f"http://{address}/scene/", trust_env=False, timeout=PATIENCE).status_code == 503
         with pytest.raises(InvalidStatus), socket_of(address):
             pass

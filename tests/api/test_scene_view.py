@@ -32,7 +32,14 @@ def flown():
 
 def joined(port):
     protocol = f"viser-v{viser.__version__}"
-    return connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], compression=None, max_size=None, proxy=None)
+    return connect(
+        f"ws://127.0.0.1:{port}",
+        subprotocols=[protocol],
+        compression=None,
+        max_size=None,
+        proxy=None,
+        open_timeout=PATIENCE,
+    )
 
 
 def drained(browser, *, more_than=-1):

@@ -7,14 +7,17 @@ import json
 import random
 import socket
 from contextlib import AsyncExitStack, ExitStack
+from functools import partial
 
 import httpx
 import numpy as np
 import pytest
-from websockets.asyncio.client import connect
+from websockets.asyncio import client as websocket
 from websockets.exceptions import InvalidStatus
 
 PATIENCE = 180.0
+
+connect = partial(websocket.connect, open_timeout=PATIENCE)
 
 
 async def _message(socket, kind: str) -> dict:
@@ -26,7 +29,7 @@ async def _message(socket, kind: str) -> dict:
 
 
 async def _command(served, command: str, **fields) -> None:
-    async with httpx.AsyncClient() as http:
+    async with httpx.AsyncClient(timeout=PATIENCE) as http:
         answer = await http.post(f"{served.api}/mission/commands", json={"command": command, **fields})
     assert answer.status_code == 200, answer.text
 
@@ -51,7 +54,7 @@ async def test_joining_gets_hello_history_and_snapshots(served):
 async def test_snapshot_is_what_rest_gives(served):
     await _ready(served)
     await _command(served, "pause")
-    async with connect(served.telemetry) as watcher, httpx.AsyncClient() as http:
+    async with connect(served.telemetry) as watcher, httpx.AsyncClient(timeout=PATIENCE) as http:
         sent = await _message(watcher, "snapshot")
         got = (await http.get(f"{served.api}/mission")).json()
     for volatile in ("type", "plant"):

@@ -197,9 +197,9 @@ def test_console_router_and_robot_find_each_other(tmp_path):
     ):
         url = re.search(r"http://\S+/", ready)[0]
         deadline = time.monotonic() + PATIENCE
-        while (health := httpx.get(url + "api/v1/health").json())["status"] != "ok":
+        while (health := httpx.get(url + "api/v1/health", timeout=PATIENCE).json())["status"] != "ok":
             assert time.monotonic() < deadline, health
             time.sleep(0.1)
         assert health["plant"] == "zenoh"
         assert health["link_age"] < PATIENCE
-        assert "becalm_link_age_seconds" in httpx.get(url + "metrics").text
+        assert "becalm_link_age_seconds" in httpx.get(url + "metrics", timeout=PATIENCE).text
