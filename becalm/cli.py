@@ -371,6 +371,7 @@ def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_js
 @click.option("--fault", "faults", metavar="NAME=VALUE[@S]", multiple=True, help="What goes wrong, and when.")
 @click.option("--deadline", type=float, default=0.1, show_default=True, help="Of heartbeat and commands [s].")
 @click.option("--clock-offset", type=float, default=0.0, help="How far its clock is ahead [s].  [default: 0]")
+@click.option("--realtime", is_flag=True, help="Let the system run it before other processes (Linux, if it may).")
 @click.option("--users", type=click.Path(path_type=Path), help="Who may connect: a file of lines user:password.")
 @click.option("--user", help="Name by which it connects to a router.")
 @click.option("--password-file", type=click.Path(path_type=Path), help="File of that user's password.")
@@ -390,6 +391,7 @@ def robot(
     faults: tuple[str, ...],
     deadline: float,
     clock_offset: float,
+    realtime: bool,
     users: Path | None,
     user: str | None,
     password_file: Path | None,
@@ -420,4 +422,4 @@ def robot(
         clock_offset=clock_offset,
         imperfections=emulated.imperfections(imperfect),
     )
-    emulated.run_robot(chosen, port, tuple(map(emulated.parse_fault, faults)))
+    emulated.run_robot(chosen, port, tuple(map(emulated.parse_fault, faults)), realtime=realtime)

@@ -20,6 +20,7 @@ from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings
 from server.link.robot_rest import create_robot_app
+from server.realtime import schedule_realtime
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
 
@@ -80,16 +81,20 @@ def robot_settings(**chosen: Any) -> RobotSettings:
     return _validated(RobotSettings, chosen, "--")
 
 
-def run_robot(settings: RobotSettings, rest_port: int, faults: tuple[TimedFault, ...]) -> None:
+def run_robot(
+    settings: RobotSettings, rest_port: int, faults: tuple[TimedFault, ...], *, realtime: bool = False
+) -> None:
     """Be the robot until the process is asked to end.
 
     Raises:
-        ConfigError: the link cannot be opened.
+        ConfigError: the link cannot be opened, or real time not be had.
         AddressInUse: the REST port cannot be had.
 
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(message)s")
     logging.getLogger("httpx").setLevel(logging.WARNING)
+    if realtime:
+        schedule_realtime()
     prepare()
     emulator = RobotEmulator(settings)
     signal.signal(signal.SIGTERM, lambda *_: emulator.shutdown())

@@ -15,6 +15,7 @@ from server.api.services import Services
 from server.app import create_app
 from server.feed import Feed
 from server.problems import AddressInUse
+from server.realtime import schedule_realtime
 from server.service_log import Moment, ServiceLog
 from server.settings import Settings
 
@@ -56,10 +57,12 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     """Serve until the process is asked to end.
 
     Raises:
-        ConfigError: the configuration that the mission should open with cannot be.
+        ConfigError: the configuration that the mission should open with cannot be, or real time not be had.
         AddressInUse: the address cannot be had.
 
     """
+    if settings.realtime:
+        schedule_realtime()
     app = create_app(settings)
     services: Services = app.state.services
     with bound_socket(settings.host, settings.port) as bound, _logging(services):

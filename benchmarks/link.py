@@ -2,7 +2,7 @@
 
     python -m benchmarks.link                        20 seeds with the testbed's defaults
     python -m benchmarks.link --seeds 3 --idle 600   and ten minutes of watching for lost states
-    python -m benchmarks.link --nice -10             on a machine that does much beside it
+    python -m benchmarks.link --realtime             on a machine that does much beside it
     python -m benchmarks.link --set control.impedance.damping=1.5 --set control.impedance.stiffness=10
 
 The robot is restarted with each seed, so the target spins as at the start; an operator's reset takes it again.
@@ -136,17 +136,16 @@ class Pair:
 
 
 @contextlib.contextmanager
-def pair(settings: list[str], imperfect: list[str]) -> Iterator[Pair]:
+def pair(settings: list[str], imperfect: list[str], ends: list[str]) -> Iterator[Pair]:
     """Console and robot, connected and ready."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     changes = [word for setting in settings for word in ("--set", setting)]
     imperfections = [word for setting in imperfect for word in ("--imperfection", setting)]
+    serve = ("serve", "--no-open", "--port", "0", "--plant", "zenoh")
     with (
         tempfile.TemporaryDirectory() as data,
-        process("robot", "--listen", endpoint, *imperfections, data=Path(data)) as robot,
-        process(
-            "serve", "--no-open", "--port", "0", "--plant", "zenoh", "--connect", endpoint, *changes, data=Path(data)
-        ) as console,
+        process("robot", "--listen", endpoint, *imperfections, *ends, data=Path(data)) as robot,
+        process(*serve, "--connect", endpoint, *changes, *ends, data=Path(data)) as console,
     ):
         both = Pair(
             httpx.Client(base_url=f"http://127.0.0.1:{port_of(console)}", timeout=10),
@@ -188,12 +187,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--idle", type=float, default=0.0, help="watch an idle mission for so many seconds first")
-    parser.add_argument("--nice", type=int, default=0, help="of both processes; below 0 takes the right to it")
+    parser.add_argument("--realtime", action="store_true", help="both processes; takes the right to it")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--imperfection", action="append", default=[], metavar="NAME=VALUE")
     chosen = parser.parse_args()
-    os.nice(chosen.nice)
-    with pair(chosen.settings, chosen.imperfection) as both:
+    with pair(chosen.settings, chosen.imperfection, ["--realtime"] if chosen.realtime else []) as both:
         if chosen.idle:
             print(json.dumps(watch(both, chosen.idle)), flush=True)
         flown = []

@@ -24,6 +24,7 @@ from server.live_mission import RESTING_PHASES, LiveMission, display_name
 from server.pace import FULL_SPEED, Pace
 from server.problems import Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
+from server.realtime import punctual
 from server.recorder import BACKLOG_LIMIT, Recorder
 from server.run_folder import wall_clock
 from sim.capture.mission import prepare
@@ -189,6 +190,7 @@ class MissionLoop:
             "the simulation is being prepared", tip="its first start compiles for about half a minute; try again"
         )
 
+    @punctual()
     def _live(self) -> None:
         try:
             prepare()

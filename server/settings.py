@@ -69,6 +69,7 @@ class Settings(BaseModel):
     link_tls_ca: Path | None = Field(None, description="Authorities that the robot's certificate is checked by")
     link_tls_certificate: Path | None = Field(None, description="The console's certificate for the link")
     link_tls_key: Path | None = Field(None, description="Its private key")
+    realtime: bool = Field(False, description="Whether the system runs this process before others (Linux, if it may)")
     configuration: str = Field(
         "published_figures",
         description="Named configuration that the live mission opens with; with a robot testbed, unless given",

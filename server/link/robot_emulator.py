@@ -24,6 +24,7 @@ from server.link.faults import Faults, Outbox, Sensor
 from server.link.gate import Gate, Limits, Verdict
 from server.link.imperfections import Imperfections, Sensors
 from server.link.session import LinkSession, Transport
+from server.realtime import punctual
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised
@@ -94,6 +95,7 @@ class RobotEmulator:
         self._robot: _Robot | None = None
         self.ready = threading.Event()
 
+    @punctual()
     def run(self) -> None:
         """Be the robot, in this thread, until `shutdown`.
 
@@ -191,11 +193,12 @@ class _Robot:
         while stays():
             due += self._period
             now = time.monotonic()
-            if now > due + GIVE_UP:
-                log.warning("the emulator was held up for %.0f ms", 1e3 * (now - due))
+            late = now - due
+            if late > GIVE_UP:
+                log.warning("the emulator was held up for %.0f ms", 1e3 * late)
                 due = self._float_on(due, now)
             time.sleep(max(0.0, due - time.monotonic()))
-            self._late.append(time.monotonic() - due)
+            self._late.append(max(late, time.monotonic() - due))
             self._turn(self._clock.at(due), time.monotonic())
 
     def close(self) -> None:

@@ -25,6 +25,7 @@ from server.link.reports import RobotReports
 from server.link.session import LinkSession, Transport
 from server.link.streams import OtherClock, Stream
 from server.link.wire import Call, Echo, JointCommand, JointSample, PlaneSample
+from server.realtime import punctual
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -132,6 +133,7 @@ class RobotLink:
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
 
+    @punctual()
     def start(self) -> None:
         """Open the link.
 

@@ -20,6 +20,9 @@ from server.link.contract import Channel, Urgency
 from sim.errors import ConfigError
 
 Endpoint = Annotated[str, Field(pattern=r"^(tcp|tls|quic)/\S+:\d+$", description="tcp/HOST:PORT or tls/HOST:PORT")]
+QUEUED = {"data_high": 16, "interactive_high": 4, "data": 4}
+"""Batches that may wait for a receiver that is held up for a moment; what does not fit is dropped. What waited is
+judged by its stamp."""
 LEASE = 1000
 """After which zenoh gives up a silent transport [ms]."""
 
@@ -122,6 +125,7 @@ def _config(transport: Transport) -> zenoh.Config:
         "scouting/gossip/enabled": False,
         "scouting/delay": 0,  # nobody is looked for, so nobody need be waited for
         "transport/link/tx/lease": LEASE,
+        **{f"transport/link/tx/queue/size/{priority}": batches for priority, batches in QUEUED.items()},
         **_users(transport),
         **_tls(transport),
     }.items():

@@ -10,6 +10,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import (
@@ -80,9 +81,16 @@ def local_workers(count: int, niceness: int = 0) -> Workers:
 
 def _begin_worker(niceness: int) -> None:
     """A worker ends with the process that leads the study, however that ends; `niceness` lets others go first."""
+    leave_realtime()
     if hasattr(os, "nice"):
         os.nice(niceness)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def leave_realtime() -> None:
+    """Be scheduled as others are, also where the leading process is a real-time one: a worker inherits that."""
+    if sys.platform == "linux" and os.sched_getscheduler(0) in (os.SCHED_RR, os.SCHED_FIFO):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 def _end_with_parent() -> None:

@@ -1,0 +1,53 @@
+"""Real-time scheduling of a process, where its user may have it, in two levels.
+
+All threads of it are before other processes: those that need no punctuality hold locks, the interpreter's above all,
+that the punctual ones wait for. The punctual ones are before the rest, whose work may take longer than a control
+period.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sim.errors import ConfigError
+
+PROCESS, PUNCTUAL = 1, 2
+"""Priorities, the lowest there are: after what the system itself does in real time."""
+_TIP = "let this user have it (limits.conf: rtprio 2; systemd: LimitRTPRIO=2; a container: CAP_SYS_NICE), or leave it"
+
+
+def schedule_realtime() -> None:
+    """Run before whatever is not real time; so do all threads that begin after this.
+
+    Raises:
+        ConfigError: this system has no such thing, or does not let this user have it.
+
+    """
+    if sys.platform != "linux":
+        raise ConfigError(f"realtime = true: there is no real-time scheduling on {sys.platform}", tip="leave it")
+    try:
+        _schedule(PUNCTUAL)  # it may have one and not the other
+        _schedule(PROCESS)
+    except PermissionError:
+        raise ConfigError("realtime = true: this user may not have real-time scheduling", tip=_TIP) from None
+
+
+@contextmanager
+def punctual() -> Iterator[None]:
+    """In a real-time process, run this thread and those that it begins meanwhile before the others."""
+    if sys.platform != "linux" or os.sched_getscheduler(0) != os.SCHED_RR:
+        yield
+        return
+    before = os.sched_getparam(0).sched_priority
+    _schedule(PUNCTUAL)
+    try:
+        yield
+    finally:
+        _schedule(before)
+
+
+def _schedule(priority: int) -> None:
+    os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(priority))
