@@ -7,7 +7,9 @@ operator asks for, opens a new one, so nothing that was sent for this one is exe
 
 from __future__ import annotations
 
+import contextlib
 import math
+import threading
 import time
 from collections import deque
 from collections.abc import Callable
@@ -29,6 +31,8 @@ JUMP = 0.05
 """Farther than this beyond what it was told to move, a joint has jumped [rad]."""
 COMMANDS_UNDER_WAY = 4
 """Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
+BEGIN_TIME = 10.0
+"""How long the robot is held for a mission that has not begun to fly it [s]."""
 LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
 
@@ -76,6 +80,9 @@ class ZenohPlant:
             link.perceive_anew()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
         link.tell(joints, self._state)
+        self._begun = threading.Event()
+        self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
+        self._holder.start()
 
     @property
     def state(self) -> Record:
@@ -90,6 +97,9 @@ class ZenohPlant:
 
         """
         link = self._link
+        if not self._begun.is_set():
+            self._begun.set()
+            self._holder.join()
         joints = link.await_joints(self._last, link.settings.deadline)
         problem = self._problem(joints)
         if problem is not None or joints is None:
@@ -161,10 +171,15 @@ class ZenohPlant:
         behind = abs(float(self._lag.flat[worst]))
         return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None
 
-    def _hold_still(self, enough: Callable[[], bool], since: str) -> JointSample:
+    def _hold_until_begun(self) -> None:
+        """Answer the robot while the mission that flies it is made, and its log; what is wrong shows when it begins."""
+        with contextlib.suppress(LinkLost):
+            self._hold_still(self._begun.is_set, "its session was opened", BEGIN_TIME)
+
+    def _hold_still(self, enough: Callable[[], bool], since: str, patience: float = SETTLING_TIME) -> JointSample:
         """Hold the arms still until that is so; the joint state then."""
         link = self._link
-        until = time.monotonic() + SETTLING_TIME
+        until = time.monotonic() + patience
         while True:
             joints = link.await_joints(self._last, link.settings.deadline)
             if joints is None or time.monotonic() > until:

@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ClassVar, ParamSpec, TypeVar
 
 import httpx
 import numpy as np
@@ -32,7 +32,7 @@ PATIENT = 5.0
 """Deadline of a console that is to notice nothing [s]: a machine that does much beside it stops for a second."""
 SHORT = 0.3
 """Deadline of a console that is to notice a fault [s]."""
-ROBOT_DEADLINE = 2.0
+ROBOT_DEADLINE = 2.5
 """Of the robot [s]; it has one only."""
 TRIES = 4
 """How often a test is begun anew that this machine did not keep up with."""
@@ -52,16 +52,31 @@ class Stalled(AssertionError):
 
 
 def keeping_up(test: Callable[P, None]) -> Callable[P, None]:
-    """Begin a test anew if this machine stood still for longer than a deadline: that is noticed, as it should be."""
+    """Begin a test anew that failed because this machine stood still for longer than a deadline: that is noticed,
+    as it should be, and ends the flight."""
 
     @functools.wraps(test)
     def begun_anew(*args: P.args, **kwargs: P.kwargs) -> None:
         for _ in range(TRIES - 1):
-            with contextlib.suppress(Stalled):
+            try:
                 return test(*args, **kwargs)
+            except AssertionError as error:
+                if not (isinstance(error, Stalled) or _stalled(kwargs.get("service"))):
+                    raise
         return test(*args, **kwargs)
 
     return begun_anew
+
+
+def _stalled(service: Any) -> bool:
+    """Whether the flight that was last under way was ended by lateness; the service's is begun anew."""
+    if service is None:
+        return Flight.latest is not None and bool(re.search(STALLED, str(Flight.latest.fault)))
+    told = [problem["message"] for problem in service.get("/mission")["problems"]]
+    if not any(re.search(STALLED, each) for each in told):
+        return False
+    service.granted("reset")
+    return True
 
 
 def until(condition: Callable[[], T], what: str) -> T:
@@ -195,10 +210,13 @@ class Robot:
 class Flight:
     """A mission that flies in a thread until it is asked to end, or the link is lost."""
 
+    latest: ClassVar[Flight | None] = None
+
     def __init__(self, link: RobotLink) -> None:
+        Flight.latest = None
         self._link = link
         self._allow(PATIENT)
-        self.plant = until(lambda: _taken(link), "the robot can be flown")
+        self.plant = taken(link)
         self.mission = Mission(CONFIG, self.plant)
         self.lost = threading.Event()
         self.fault: LinkLost | None = None
@@ -207,6 +225,7 @@ class Flight:
         self._told = threading.Condition()
         self._thread = threading.Thread(target=self._fly, daemon=True)
         self._thread.start()
+        Flight.latest = self
 
     def notice_within(self, deadline: float) -> None:
         """Notice what is late by that much [s] from now on."""
@@ -259,8 +278,14 @@ class Flight:
             self.lost.set()
 
 
-def _taken(link: RobotLink) -> ZenohPlant | None:
-    try:
-        return ZenohPlant(link, CONFIG)
-    except (MissionRefused, LinkLost):
+def taken(link: RobotLink) -> ZenohPlant:
+    """The robot in a new session, as soon as it can be flown."""
+
+    def asked() -> ZenohPlant | None:
+        with contextlib.suppress(MissionRefused, LinkLost):
+            return ZenohPlant(link, CONFIG)
         return None
+
+    plant = until(asked, "the robot can be flown")
+    assert plant is not None
+    return plant

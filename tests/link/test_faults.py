@@ -13,10 +13,11 @@ import time
 
 import numpy as np
 import pytest
-from ends import ROBOT_DEADLINE, SHORT, Stalled, keeping_up, until
+from ends import CONFIG, ROBOT_DEADLINE, SHORT, Stalled, keeping_up, taken, until
 
 from server.link import contract, wire
 from server.link.contract import RobotMode
+from sim.capture.mission import Mission
 from sim.control.phases import Phase
 
 PERIOD = 1 / contract.CONTROL_RATE
@@ -59,6 +60,17 @@ def test_a_mission_flies_and_knows_the_robots_clock(robot, link, fly):
     assert link.reports.value("tared") == "true"
     target = flight.mission.snapshot().target
     assert target.twist[2] == pytest.approx(robot.status["target_twist"][2], abs=0.05)
+
+
+@keeping_up
+def test_the_robot_is_held_still_while_its_mission_is_made(robot, link):
+    plant = taken(link)
+    commands = robot.status["commands"]
+    until(lambda: robot.status["commands"] > commands + 20, "the robot is answered")
+    assert robot.at_rest()
+    mission = Mission(CONFIG, plant)
+    mission.advance(5)
+    assert mission.phase is Phase.IDLE, mission.fault
 
 
 @keeping_up
@@ -181,6 +193,8 @@ def test_a_console_that_falls_silent_is_held_by_the_robot_within_its_deadline(ro
     flight = fly()
     flight.capture()
     flight.end()  # the process lives, its mission thread does not
+    if flight.fault is not None:
+        raise Stalled(flight.fault)
     held = until(lambda: s if (s := robot.status)["mode"] == "holding" else None, "the robot holds")
     _assert_in_time(held["why"], ROBOT_DEADLINE, held["lateness"])
     until(robot.at_rest, "the joints rest")

@@ -9,7 +9,7 @@ from typing import Any
 
 import httpx
 import pytest
-from ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, until
+from ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, keeping_up, until
 from playwright.sync_api import Browser, expect
 
 BOUND = 1000 * PATIENCE
@@ -64,6 +64,7 @@ def _idle(service: Service) -> None:
         service.granted("reset")
 
 
+@keeping_up
 def test_the_link_is_shown(robot, service):
     link = until(lambda: s if (s := service.get("/link"))["held"] and s["command_age"] else None, "the robot is held")
     assert link["plant"] == service.get("/health")["plant"] == service.get("/mission")["plant"]["kind"] == "zenoh"
@@ -90,6 +91,7 @@ def test_a_robots_clock_is_nobodys_to_choose(service, command):
     assert "real time" in service.get("/mission")["commands"][command]
 
 
+@keeping_up
 def test_stop_is_acknowledged_by_the_robot(robot, service):
     service.granted("capture")
     answer = service.post("/mission/stop").json()
@@ -102,6 +104,7 @@ def test_stop_is_acknowledged_by_the_robot(robot, service):
     assert robot.at_rest()
 
 
+@keeping_up
 def test_a_robot_that_is_lost_is_shown_and_taken_again_only_when_asked(robot, service):
     service.granted("capture")
     robot.restart()
@@ -117,6 +120,7 @@ def test_a_robot_that_is_lost_is_shown_and_taken_again_only_when_asked(robot, se
     assert service.get("/link")["held"] or until(lambda: service.get("/link")["held"], "held")
 
 
+@keeping_up
 def test_taring(service):
     assert service.post("/link/tare").status_code == 200
     service.granted("capture")
@@ -135,6 +139,7 @@ def _capture(robot: Robot, service: Service, seed: int) -> dict[str, Any]:
 
 
 @pytest.mark.browser
+@keeping_up
 def test_the_link_page_shows_streams_tares_and_sees_a_robot_hang_and_stop(robot, service, browser: Browser):
     page = browser.new_page(viewport={"width": 1440, "height": 900})
     page.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
