@@ -19,7 +19,14 @@ FIRST_STRIDE = 16
 """Ticks between two rows at first: about what a screen shows in a second."""
 
 _PLOTTED_QUANTITIES = ("tick", "time", "phase", "base_pose", "base_twist", "target_pose", "target_twist")
-_PLOTTED_ARM_QUANTITIES = ("joint_rate", "commanded_joint_rate", "hand_wrench", "manipulability")
+_PLOTTED_ARM_QUANTITIES = (
+    "joint_rate",
+    "commanded_joint_rate",
+    "hand_pose",
+    "desired_hand_pose",
+    "hand_wrench",
+    "manipulability",
+)
 PLOTTED: tuple[Column, ...] = tuple(
     column for column in COLUMNS if column.quantity in (*_PLOTTED_QUANTITIES, *_PLOTTED_ARM_QUANTITIES)
 )

@@ -49,6 +49,19 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     library.locator(f"a[href='#/runs/{seeded}']").click()
     other = console.get_by_role("region", name=f"Run {seeded}")
     expect(other.get_by_role("status").first).to_contain_text("finished")
+
+    entry = library.get_by_role("listitem").filter(has=console.locator(f"a[href='#/runs/{direct}']"))
+    entry.hover()
+    entry.get_by_role("link", name="Compare").click()
+    both = other.get_by_role("region", name="Two runs")
+    expect(both.get_by_role("row", name=re.compile("^seed"))).to_contain_text("11")
+    expect(both.get_by_role("row", name=re.compile("^Peak to closure"))).to_be_visible()
+    curves = other.get_by_role("figure", name=re.compile("^Tip force")).locator("i")
+    expect(curves).to_have_count(2)  # the second run's readings beside the first's
+    console.screenshot(path=ARTIFACTS / "compared.png")
+    both.get_by_role("link", name="End comparison").click()
+    expect(curves).to_have_count(0)
+
     other.get_by_role("button", name="Delete").click()
     other.get_by_role("button", name="Delete for good?").click()
     expect(library.locator(f"a[href='#/runs/{seeded}']")).to_have_count(0)

@@ -12,7 +12,7 @@ import { TopBar } from "./TopBar";
 /** Pages stay as they are while another one is shown: the scene keeps its view, a form what was typed. */
 export function Shell() {
   const trust = useView((view) => view.trust);
-  const { page, item } = useRoute();
+  const { page, item, other } = useRoute();
   return (
     <div className={styles.shell} data-trust={trust}>
       <TopBar page={page} />
@@ -20,7 +20,7 @@ export function Shell() {
         <MissionPage shown={page === "mission"} />
       </Boundary>
       <Boundary what="The page of runs">
-        <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} />
+        <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} other={page === "runs" ? other : ""} />
       </Boundary>
       <Boundary what="The page of studies">
         <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />

@@ -8,16 +8,19 @@ export interface Route {
   readonly page: Page;
   /** What the page shows of its kind: the identifier of a run or study; empty for none. */
   readonly item: string;
+  /** What it is compared with; empty for nothing. */
+  readonly other: string;
 }
 
-/** `#/studies/20261125T103000123-4f9a2c` and the like; anything unknown is the mission. */
+/** `#/studies/20261125T103000123-4f9a2c`, `#/runs/ONE/OTHER` and the like; anything unknown is the mission. */
 export function routeOf(hash: string): Route {
-  const [name = "", item = ""] = hash.replace(/^#\/?/, "").split("/");
+  const [name = "", item = "", other = ""] = hash.replace(/^#\/?/, "").split("/");
   const page = PAGES.find((known) => known === name) ?? "mission";
-  return { page, item: decodeURIComponent(item) };
+  return { page, item: decodeURIComponent(item), other: decodeURIComponent(other) };
 }
 
-export const hashOf = ({ page, item }: Route): string => `#/${page}${item === "" ? "" : `/${encodeURIComponent(item)}`}`;
+export const hashOf = ({ page, item, other }: Pick<Route, "page" | "item"> & Partial<Route>): string =>
+  `#/${[page, item, other ?? ""].filter(Boolean).map(encodeURIComponent).join("/")}`;
 
 export function go(page: Page, item = ""): void {
   location.hash = hashOf({ page, item });

@@ -2,7 +2,9 @@ import { describe, expect, it } from "vitest";
 import type { MissionEvent, MissionSnapshot } from "../api/types";
 import { MissionStore } from "./mission";
 
-const arm = { hand_wrench: [0, 0, 0], manipulability: 0.02 };
+const still = [0, 0, 0];
+const hand = { hand_wrench: still, hand_pose: still, desired_hand_pose: still };
+const arm = { ...hand, joint_rate: still, commanded_joint_rate: still, manipulability: 0.02 };
 const body = { pose: [0, 0, 0], twist: [0, 0, 0] };
 
 function snapshot(tick: number, phase = "idle"): MissionSnapshot {

@@ -10,7 +10,24 @@ interface Quantity {
   readonly ofRow: (cell: Cell) => number;
 }
 
-export const QUANTITY_NAMES = [
+export const ARMS = ["left", "right"] as const;
+export const JOINTS = [1, 2, 3] as const;
+type Arm = (typeof ARMS)[number];
+type Joint = (typeof JOINTS)[number];
+
+export type ArmQuantityName =
+  | `${Arm}JointRate${Joint}`
+  | `${Arm}CommandedJointRate${Joint}`
+  | `${Arm}PositionError`
+  | `${Arm}AngleError`;
+
+const ARM_QUANTITY_NAMES: readonly ArmQuantityName[] = ARMS.flatMap((arm) => [
+  ...JOINTS.flatMap((joint) => [`${arm}JointRate${joint}`, `${arm}CommandedJointRate${joint}`] as const),
+  `${arm}PositionError` as const,
+  `${arm}AngleError` as const,
+]);
+
+const FIRST_NAMES = [
   "tick",
   "time",
   "phase",
@@ -22,9 +39,48 @@ export const QUANTITY_NAMES = [
   "leftManipulability",
   "rightManipulability",
 ] as const;
-export type QuantityName = (typeof QUANTITY_NAMES)[number];
 
-export const QUANTITIES: Readonly<Record<QuantityName, Quantity>> = {
+export type QuantityName = (typeof FIRST_NAMES)[number] | ArmQuantityName;
+export const QUANTITY_NAMES: readonly QuantityName[] = [...FIRST_NAMES, ...ARM_QUANTITY_NAMES];
+
+type Pose = readonly [number, number, number];
+
+const distance = (one: Pose, other: Pose): number => Math.hypot(one[0] - other[0], one[1] - other[1]);
+
+const poseIn = (cell: Cell, name: string): Pose => [cell(`${name}.x`), cell(`${name}.y`), cell(`${name}.angle`)];
+
+/** Of one arm: rates of its joints, and how far its hand is from where the plan wants it. */
+function armQuantities(arm: Arm): [QuantityName, Quantity][] {
+  const rates = JOINTS.flatMap((joint): [QuantityName, Quantity][] => [
+    [`${arm}JointRate${joint}`, { ofSnapshot: (s) => s[arm].joint_rate[joint - 1] ?? Number.NaN, ofRow: (cell) => cell(`${arm}.joint_rate.${joint}`) }],
+    [
+      `${arm}CommandedJointRate${joint}`,
+      {
+        ofSnapshot: (s) => s[arm].commanded_joint_rate[joint - 1] ?? Number.NaN,
+        ofRow: (cell) => cell(`${arm}.commanded_joint_rate.${joint}`),
+      },
+    ],
+  ]);
+  return [
+    ...rates,
+    [
+      `${arm}PositionError`,
+      {
+        ofSnapshot: (s) => distance(s[arm].desired_hand_pose, s[arm].hand_pose),
+        ofRow: (cell) => distance(poseIn(cell, `${arm}.desired_hand_pose`), poseIn(cell, `${arm}.hand_pose`)),
+      },
+    ],
+    [
+      `${arm}AngleError`,
+      {
+        ofSnapshot: (s) => s[arm].desired_hand_pose[2] - s[arm].hand_pose[2],
+        ofRow: (cell) => cell(`${arm}.desired_hand_pose.angle`) - cell(`${arm}.hand_pose.angle`),
+      },
+    ],
+  ];
+}
+
+const FIRST_QUANTITIES: Readonly<Record<(typeof FIRST_NAMES)[number], Quantity>> = {
   tick: { ofSnapshot: (s) => s.tick, ofRow: (cell) => cell("mission.tick") },
   time: { ofSnapshot: (s) => s.time, ofRow: (cell) => cell("mission.time") },
   phase: { ofSnapshot: (s) => phaseCode(s.phase), ofRow: (cell) => cell("mission.phase") },
@@ -42,6 +98,11 @@ export const QUANTITIES: Readonly<Record<QuantityName, Quantity>> = {
   leftManipulability: { ofSnapshot: (s) => s.left.manipulability, ofRow: (cell) => cell("left.manipulability") },
   rightManipulability: { ofSnapshot: (s) => s.right.manipulability, ofRow: (cell) => cell("right.manipulability") },
 };
+
+export const QUANTITIES = {
+  ...FIRST_QUANTITIES,
+  ...Object.fromEntries(ARMS.flatMap(armQuantities)),
+} as Readonly<Record<QuantityName, Quantity>>;
 
 export type Sample = Readonly<Record<QuantityName, number>>;
 

@@ -3,6 +3,7 @@ import { Button, NativeSelect, Switch, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { EmptyPage } from "../../app/EmptyPage";
 import { Panel } from "../../app/Panel";
+import { hashOf } from "../../app/route";
 import type { RunsQuery, RunSummary } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { fixed } from "../../units/units";
@@ -79,11 +80,29 @@ function Filters({ query, onChange }: FilterProps) {
 const moment = (started: string): string =>
   new Date(started).toLocaleString(undefined, { dateStyle: "short", timeStyle: "medium" });
 
-function Item({ run, chosen }: { readonly run: RunSummary; readonly chosen: boolean }) {
+interface ItemProps {
+  readonly run: RunSummary;
+  /** The run that is open; empty for none. */
+  readonly open: string;
+  /** The run that it is compared with. */
+  readonly other: string;
+}
+
+/** Puts a run beside the one that is open, or takes it away again. */
+function Against({ run, open, other }: ItemProps) {
+  const compared = run.id === other;
+  return (
+    <a className={styles.against} href={hashOf({ page: "runs", item: open, other: compared ? "" : run.id })} aria-current={compared ? "true" : undefined}>
+      {compared ? "Compared" : "Compare"}
+    </a>
+  );
+}
+
+function Item({ run, open, other }: ItemProps) {
   const look = run.outcome === null ? null : lookOf(run.outcome.outcome);
   return (
-    <li>
-      <a className={styles.item} href={`#/runs/${run.id}`} aria-current={chosen ? "true" : undefined}>
+    <li className={styles.entry}>
+      <a className={styles.item} href={hashOf({ page: "runs", item: run.id })} aria-current={run.id === open ? "true" : undefined}>
         <span className={styles.mark} style={look === null ? undefined : { background: look.colour }} aria-hidden="true">
           {look?.letter ?? ""}
         </span>
@@ -97,16 +116,18 @@ function Item({ run, chosen }: { readonly run: RunSummary; readonly chosen: bool
         </span>
         <span className={styles.peak}>{run.outcome === null ? "" : `${fixed(run.outcome.peak_tip_force, 2)} N`}</span>
       </a>
+      {open !== "" && run.id !== open && run.ticks > 0 && <Against run={run} open={open} other={other} />}
     </li>
   );
 }
 
-export function LibraryPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
+export function LibraryPage({ item, other, shown }: { readonly item: string; readonly other: string; readonly shown: boolean }) {
   const [query, setQuery] = useState<RunsQuery>({ sort: "-started" });
   const [pages, setPages] = useState(1);
   const [edition, setEdition] = useState(0);
   const { runs, unreadable, more, refusal, read } = useLibrary(shown, query, pages, edition);
   const { recording, refusal: missing } = useRecording(shown ? item : "", edition);
+  const { recording: compared, refusal: unlike } = useRecording(shown ? other : "", edition);
   const again = () => {
     setEdition((before) => before + 1);
   };
@@ -124,7 +145,7 @@ export function LibraryPage({ item, shown }: { readonly item: string; readonly s
         {read && runs.length === 0 && <p className={styles.hint}>No run fits. A capture, here or over REST, makes one.</p>}
         <ul className={styles.list} aria-label="Runs">
           {runs.map((run) => (
-            <Item key={run.id} run={run} chosen={run.id === item} />
+            <Item key={run.id} run={run} open={item} other={other} />
           ))}
         </ul>
         {more && <Button onClick={() => { setPages(pages + 1); }}>Show more</Button>}
@@ -139,7 +160,7 @@ export function LibraryPage({ item, shown }: { readonly item: string; readonly s
           words={missing?.tip ?? (item === "" ? "Choose a run: its plots with every touch, what happened in it, notes, and its log to take away." : "")}
         />
       ) : (
-        <RunView key={recording.run.id} recording={recording} onChange={again} />
+        <RunView key={recording.run.id} recording={recording} compared={compared} missing={unlike} onChange={again} />
       )}
     </main>
   );

@@ -1,11 +1,12 @@
 /** One run of the library: how it ended, its plots and events, what people say of it, its log. */
 import { ActionIcon, Button, Checkbox, Textarea, TextInput } from "@mantine/core";
-import { useState, useSyncExternalStore } from "react";
+import { useMemo, useState, useSyncExternalStore } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
 import { go, hashOf } from "../../app/route";
 import { useDoing, type Doing } from "../../app/use-doing";
+import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun, sendCommand } from "../../api/service";
 import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
@@ -13,11 +14,13 @@ import { clock, fixed, parsed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
 import { useReasonAgainstCommanding } from "../control/control";
 import { EventLog } from "../events/EventLog";
+import { ComparedContext, comparedWith, type Alignment } from "../plots/compared";
 import { PlotPanel } from "../plots/PlotPanel";
 import { Player } from "../replay/player";
 import { ReplayPanel } from "../replay/ReplayPanel";
 import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
+import { ComparisonPanel } from "./ComparisonPanel";
 import styles from "./LibraryPage.module.css";
 import { isUnderWay, type Recording } from "./use-library";
 
@@ -156,7 +159,22 @@ function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doin
   );
 }
 
-export function RunView({ recording: { run, store }, onChange }: { readonly recording: Recording; readonly onChange: () => void }) {
+interface RunViewProps {
+  readonly recording: Recording;
+  /** What it is compared with; null for nothing, or while that is read. */
+  readonly compared: Recording | null;
+  /** Why that cannot be read. */
+  readonly missing: Refusal | null;
+  readonly onChange: () => void;
+}
+
+export function RunView({ recording, compared, missing, onChange }: RunViewProps) {
+  const { run, store } = recording;
+  const [align, setAlign] = useState<Alignment>("motion");
+  const beside = useMemo(
+    () => (store === null || !compared?.store ? null : comparedWith(store.series, compared.store.series, align)),
+    [store, compared, align],
+  );
   const { doing: asked, refusal } = useDoing();
   const doing: Doing = (work) => asked(() => work().then(onChange));
   const [player] = useState(() => new Player(run.duration, run.config.control.period));
@@ -170,15 +188,19 @@ export function RunView({ recording: { run, store }, onChange }: { readonly reco
             <p className={styles.hint}>Nothing has been recorded yet.</p>
           ) : (
             <StoreContext value={store}>
+              <ComparedContext value={beside}>
               <ReplayPanel run={run.id} end={run.duration} player={player} />
               <div className={styles.plots}>
                 <PlotPanel player={player} />
               </div>
               <EventLog recorded />
+              </ComparedContext>
             </StoreContext>
           )}
         </div>
         <div className={styles.side}>
+          {missing !== null && <p className={styles.refusal} role="alert">{`${missing.message} ${missing.tip}`}</p>}
+          {compared !== null && <ComparisonPanel one={run} other={compared.run} align={align} onAlign={setAlign} />}
           <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
             {run.outcome !== null && <Ending outcome={run.outcome} />}
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}

@@ -6,20 +6,22 @@ import type { Series } from "../../store/series";
 import { canvasColours } from "../../theme/canvas";
 import { fixed, shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
+import { comparedAt, useCompared, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
-import type { Known, PlotDefinition } from "./plot-set";
+import type { Curve, Known, PlotDefinition } from "./plot-set";
 import styles from "./Plot.module.css";
 import type { Range } from "./timeview";
 
 /** What the panel tells each plot for every frame. */
 export interface PlotFrame {
   readonly series: Series;
+  readonly compared: Compared | null;
   readonly range: Range;
   readonly known: Known;
   readonly decorations: Omit<Decorations, "levels" | "colours">;
 }
 
-/** Draws a frame; returns the row of the series that the shared cursor is on. */
+/** Draws a frame; returns the time that the shared cursor is on. */
 export type DrawPlot = (frame: PlotFrame) => number | null;
 
 interface PlotProps {
@@ -31,22 +33,34 @@ interface PlotProps {
   readonly register: (draw: DrawPlot) => () => void;
 }
 
+function Sign({ curve }: { readonly curve: Curve }) {
+  return (
+    <svg width="16" height="8" aria-hidden="true">
+      <line x1="0" y1="4" x2="16" y2="4" stroke={`var(--${curve.token})`} strokeWidth="2" strokeDasharray={curve.dash?.join(" ")} />
+    </svg>
+  );
+}
+
 export function Plot({ definition, timed, events, register }: PlotProps) {
   const { angles } = usePreferences();
   const { colorScheme } = useMantineColorScheme();
   const place = useRef<HTMLDivElement>(null);
   const values = useRef<(HTMLElement | null)[]>([]);
-  const scale = useMemo(() => shown(definition.unit, angles), [definition, angles]);
+  const others = useRef<(HTMLElement | null)[]>([]);
+  const comparing = useCompared() !== null;
+  const scale = useMemo(() => definition.as ?? shown(definition.unit, angles), [definition, angles]);
 
   // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
-  const decimals = Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
+  const decimals = definition.as ? definition.decimals : Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
 
   const showValues = useCallback(
-    (series: Series, row: number) => {
+    ({ series, compared }: PlotFrame, time: number) => {
+      const row = Math.min(series.rowAt(time), series.length - 1);
       definition.curves.forEach(({ quantity }, index) => {
-        const value = series.at(quantity, row) * scale.factor;
         const element = values.current[index];
-        if (element) element.textContent = fixed(value, decimals);
+        if (element) element.textContent = fixed(series.at(quantity, row) * scale.factor, decimals);
+        const other = others.current[index];
+        if (other && compared) other.textContent = fixed(comparedAt(compared, quantity, time) * scale.factor, decimals);
       });
     },
     [definition, scale, decimals],
@@ -57,15 +71,13 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
     if (element === null) return;
     // Read after the theme has been set; the dependency below asks for it again.
     const colours = canvasColours();
-    const chart = new Chart(definition, scale, colours, element, events, timed);
+    const chart = new Chart(definition, scale, colours, element, events, timed, comparing);
     const withdraw = register((frame) => {
       const levels = definition.levels(frame.known).map(({ label, value }) => ({ label, value: value * scale.factor }));
-      chart.draw(frame.series, frame.range, { ...frame.decorations, levels, colours });
-      const row = chart.cursorRow;
-      const { moment } = frame.decorations;
-      const shownRow = moment === null ? frame.series.length - 1 : Math.min(frame.series.rowAt(moment), frame.series.length - 1);
-      showValues(frame.series, row ?? shownRow);
-      return row;
+      chart.draw(frame.series, frame.range, { ...frame.decorations, levels, colours }, frame.compared);
+      const cursor = chart.cursorTime;
+      showValues(frame, cursor ?? frame.decorations.moment ?? Infinity);
+      return cursor;
     });
     const observer = new ResizeObserver(() => {
       chart.resize(element);
@@ -76,17 +88,15 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
       withdraw();
       chart.destroy();
     };
-  }, [definition, timed, scale, colorScheme, events, register, showValues]);
+  }, [definition, timed, scale, colorScheme, events, register, showValues, comparing]);
 
   return (
     <figure className={styles.plot} aria-label={`${definition.title} over mission time`}>
       <figcaption className={styles.caption}>
-        <h3>{definition.title}</h3>
+        <h3 title={definition.title}>{definition.title}</h3>
         {definition.curves.map((curve, index) => (
-          <span key={curve.quantity} className={styles.value}>
-            <svg width="16" height="8" aria-hidden="true">
-              <line x1="0" y1="4" x2="16" y2="4" stroke={`var(--${curve.token})`} strokeWidth="2" strokeDasharray={curve.dash?.join(" ")} />
-            </svg>
+          <span key={curve.quantity} className={styles.value} data-second={curve.label === "" || undefined}>
+            {curve.label === "" ? "/" : <Sign curve={curve} />}
             {curve.label}{" "}
             <b
               ref={(element) => {
@@ -95,6 +105,15 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
             >
               —
             </b>
+            {comparing && curve.label !== "" && (
+              <i
+                ref={(element) => {
+                  others.current[index] = element;
+                }}
+              >
+                —
+              </i>
+            )}
           </span>
         ))}
         <span className={styles.unit}>{scale.unit}</span>

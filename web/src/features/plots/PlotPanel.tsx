@@ -10,13 +10,12 @@ import type { Player } from "../replay/player";
 import type { ChartEvents } from "./chart";
 import { Plot } from "./Plot";
 import styles from "./PlotPanel.module.css";
-import { PLOTS } from "./plot-set";
+import { BESIDE, PAIR_NAMES, PAIRS } from "./plot-set";
 import { chosen, FOLLOW, rangeOf, zoomedAbout, type TimeView, type Window } from "./timeview";
 import { useDrawing } from "./use-drawing";
 
 /** Room for all plots at once. */
 const WIDE = "(min-width: 1700px)";
-const PAIRS = { contact: PLOTS.slice(0, 2), robot: PLOTS.slice(2, 4) } as const;
 
 interface ToolsProps {
   readonly view: TimeView;
@@ -66,14 +65,19 @@ function Tools({ view, change, now, recorded }: ToolsProps) {
   );
 }
 
+function interleaved<Item>(one: readonly Item[], other: readonly Item[]): Item[] {
+  return one.flatMap((item, place) => [item, ...other.slice(place, place + 1)]);
+}
+
 /** Of a mission that flies, or of a recording with its player: then the whole of it, which nothing moves on. */
 export function PlotPanel({ player = null }: { readonly player?: Player | null }) {
   const recorded = player !== null;
   const { series } = useStore();
   const [view, setView] = useState<TimeView>(recorded ? { ...FOLLOW, window: 0 } : FOLLOW);
-  const [pair, setPair] = useKept<keyof typeof PAIRS>("becalm-plots", "contact", ["contact", "robot"]);
+  const [pair, setPair] = useKept("becalm-plots", "contact", PAIR_NAMES);
   const wide = useMediaQuery(WIDE, window.matchMedia(WIDE).matches);
-  const plots = wide ? PLOTS : PAIRS[pair];
+  // The grid is filled row by row, so that each pair stands in a column of its own.
+  const plots = wide ? interleaved(PAIRS[pair].plots, PAIRS[BESIDE[pair]].plots) : PAIRS[pair].plots;
   const lowest = plots.length - (wide ? 2 : 1);
   const time = useRef<HTMLSpanElement>(null);
   const now = (): number => Math.max(0, series.at("time", series.length - 1) || 0);
@@ -101,19 +105,14 @@ export function PlotPanel({ player = null }: { readonly player?: Player | null }
   const aside = (
     <>
       <span ref={time} className={styles.time} />
-      {!wide && (
-        <SegmentedControl
-          aria-label="Plots shown"
-          value={pair}
-          data={[
-            { value: "contact", label: "Forces, spin" },
-            { value: "robot", label: "Attitude, manipulability" },
-          ]}
-          onChange={(value) => {
-            setPair(value);
-          }}
-        />
-      )}
+      <SegmentedControl
+        aria-label="Plots shown"
+        value={pair}
+        data={PAIR_NAMES.map((name) => ({ value: name, label: PAIRS[name].label }))}
+        onChange={(name) => {
+          setPair(name);
+        }}
+      />
       <Tools view={view} change={setView} now={now} recorded={recorded} />
     </>
   );

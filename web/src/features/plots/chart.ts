@@ -5,6 +5,7 @@ import type { Series } from "../../store/series";
 import type { CanvasColours } from "../../theme/canvas";
 import { fixed, type Shown } from "../../units/units";
 import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
+import { comparedSlice, type Compared } from "./compared";
 import type { PlotDefinition } from "./plot-set";
 import type { Range } from "./timeview";
 
@@ -29,7 +30,6 @@ export interface ChartEvents {
 
 export class Chart {
   private readonly plot: uPlot;
-  private from = 0;
   private decorations: Decorations | null = null;
   /** The highest peak that is marked in view. */
   private peak = -Infinity;
@@ -41,8 +41,10 @@ export class Chart {
     place: HTMLElement,
     events: ChartEvents,
     private readonly timed: boolean,
+    private readonly comparing: boolean,
   ) {
-    this.plot = new uPlot(this.options(colours, place, events), [[], ...definition.curves.map(() => [])], place);
+    const empty = [[], ...this.series(colours).slice(1).map(() => [])] as unknown as uPlot.AlignedData;
+    this.plot = new uPlot(this.options(colours, place, events), empty, place);
     this.plot.over.addEventListener(
       "wheel",
       (event) => {
@@ -58,28 +60,32 @@ export class Chart {
     this.plot.setSize({ width: place.clientWidth, height: place.clientHeight });
   }
 
-  draw(series: Series, range: Range, decorations: Decorations): void {
+  draw(series: Series, range: Range, decorations: Decorations, compared: Compared | null): void {
     const from = Math.max(0, series.rowAt(range.from) - 1);
     const to = Math.min(series.length, series.rowAt(range.to) + 1);
-    this.from = from;
     this.decorations = decorations;
     this.peak = this.definition.peaks ? highestPeak(decorations.touches, range) : -Infinity;
-    const times = series.slice("time", from, to);
-    const curves = this.definition.curves.map(({ quantity }) => this.scaledCurve(series.slice(quantity, from, to)));
+    const quantities = this.definition.curves.map(({ quantity }) => quantity);
+    const own = this.table(series.slice("time", from, to), quantities.map((quantity) => series.slice(quantity, from, to)));
+    const data = compared === null ? own : uPlot.join([own, this.table(...comparedSlice(compared, range, quantities))]);
     this.plot.batch(() => {
-      this.plot.setData([times, ...curves] as uPlot.AlignedData, false);
+      this.plot.setData(data, false);
       this.plot.setScale("x", { min: range.from, max: range.to });
     });
   }
 
-  /** The row of the series under the cursor, which stays where it is while the data pass beneath it. */
-  get cursorRow(): number | null {
+  /** The time under the cursor, which stays where it is while the data pass beneath it. */
+  get cursorTime(): number | null {
     const left = this.plot.cursor.left ?? -1;
-    return left < 0 ? null : this.from + this.plot.posToIdx(left);
+    return left < 0 ? null : this.plot.posToVal(left, "x");
   }
 
   destroy(): void {
     this.plot.destroy();
+  }
+
+  private table(times: Float64Array, curves: readonly Float64Array[]): uPlot.AlignedData {
+    return [times, ...curves.map((curve) => this.scaledCurve(curve))] as uPlot.AlignedData;
   }
 
   private scaledCurve(values: Float64Array): Float64Array {
@@ -101,7 +107,7 @@ export class Chart {
       },
       scales: { x: { time: false }, y: { range: (_, low, high) => this.yRange(low, high) } },
       axes: [this.timeAxis(colours), { ...axis(colours), size: AXIS_WIDTH }],
-      series: [{}, ...this.definition.curves.map((curve) => curveOptions(curve.token, curve.dash, colours))],
+      series: this.series(colours),
       hooks: {
         drawClear: [
           (plot) => {
@@ -138,6 +144,13 @@ export class Chart {
         ],
       },
     };
+  }
+
+  /** Time, the curves, and those of a second recording: thinner and paler. */
+  private series(colours: CanvasColours): uPlot.Series[] {
+    const curves = this.definition.curves.map((curve) => curveOptions(curve.token, curve.dash, colours));
+    const others = this.comparing ? curves.map((curve) => ({ ...curve, width: 1, alpha: 0.6 })) : [];
+    return [{}, ...curves, ...others];
   }
 
   private selected(plot: uPlot, events: ChartEvents): void {

@@ -1,9 +1,11 @@
 /** Which plots there are: their curves, levels and ranges. A new plot is a new entry here. */
 import type { MissionConfiguration, MissionSnapshot } from "../../api/types";
-import type { QuantityName } from "../../store/quantities";
+import { JOINTS, type QuantityName } from "../../store/quantities";
+import { MILLIMETRES, type Shown } from "../../units/units";
 
 export interface Curve {
   readonly quantity: QuantityName;
+  /** Empty for a curve that belongs to the one before it: its value stands behind that one's. */
   readonly label: string;
   /** Colour token of `tokens.css`. */
   readonly token: string;
@@ -22,6 +24,8 @@ export interface PlotDefinition {
   readonly title: string;
   /** SI unit of all its curves. */
   readonly unit: string;
+  /** How a person reads it, where that is not the unit itself. */
+  readonly as?: Shown;
   readonly decimals: number;
   readonly curves: readonly Curve[];
   /** Marks the peak of each touch, which may lie between two samples. */
@@ -37,7 +41,23 @@ export interface Known {
   readonly config: MissionConfiguration["config"] | null;
 }
 
-export const PLOTS: readonly PlotDefinition[] = [
+const JOINT_TOKENS = { 1: "left", 2: "right", 3: "target" } as const;
+
+/** What each joint was told, and what it does. */
+const jointRates = (arm: "left" | "right"): PlotDefinition => ({
+  id: `${arm}-joints`,
+  title: `${arm === "left" ? "Left" : "Right"} joint rates, measured / commanded`,
+  unit: "rad/s",
+  decimals: 3,
+  curves: JOINTS.flatMap((joint) => [
+    { quantity: `${arm}JointRate${joint}` as const, label: `J${joint}`, token: JOINT_TOKENS[joint] },
+    { quantity: `${arm}CommandedJointRate${joint}` as const, label: "", token: JOINT_TOKENS[joint], dash: [2, 3] },
+  ]),
+  least: [-0.1, 0.1],
+  levels: () => [],
+});
+
+const CONTACT: readonly PlotDefinition[] = [
   {
     id: "forces",
     title: "Tip force, resultant of each hand",
@@ -63,6 +83,9 @@ export const PLOTS: readonly PlotDefinition[] = [
     least: [-0.1, 0.6],
     levels: ({ snapshot }) => (snapshot ? [{ label: "threshold", value: snapshot.spin_threshold }] : []),
   },
+];
+
+const ROBOT: readonly PlotDefinition[] = [
   {
     id: "attitude",
     title: "Base attitude",
@@ -85,3 +108,45 @@ export const PLOTS: readonly PlotDefinition[] = [
     levels: ({ config }) => (config ? [{ label: "warning", value: config.control.rates.manipulability_warning }] : []),
   },
 ];
+
+const TRACKING: readonly PlotDefinition[] = [
+  {
+    id: "position-error",
+    title: "Hand position, distance from desired",
+    unit: "m",
+    as: MILLIMETRES,
+    decimals: 2,
+    curves: [
+      { quantity: "leftPositionError", label: "Left", token: "left" },
+      { quantity: "rightPositionError", label: "Right", token: "right", dash: [7, 2] },
+    ],
+    least: [0, 1e-3],
+    levels: () => [],
+  },
+  {
+    id: "angle-error",
+    title: "Hand angle, desired minus measured",
+    unit: "rad",
+    decimals: 4,
+    curves: [
+      { quantity: "leftAngleError", label: "Left", token: "left" },
+      { quantity: "rightAngleError", label: "Right", token: "right", dash: [7, 2] },
+    ],
+    least: [-0.01, 0.01],
+    levels: () => [],
+  },
+];
+
+/** What is shown together, above one another on one clock. */
+export const PAIRS = {
+  contact: { label: "Forces, spin", plots: CONTACT },
+  robot: { label: "Attitude, manipulability", plots: ROBOT },
+  joints: { label: "Joints", plots: [jointRates("left"), jointRates("right")] },
+  tracking: { label: "Tracking", plots: TRACKING },
+} as const satisfies Record<string, { readonly label: string; readonly plots: readonly PlotDefinition[] }>;
+
+export type PairName = keyof typeof PAIRS;
+export const PAIR_NAMES = Object.keys(PAIRS) as readonly PairName[];
+
+/** On a wide screen two pairs stand beside one another. */
+export const BESIDE: Readonly<Record<PairName, PairName>> = { contact: "robot", robot: "contact", joints: "tracking", tracking: "joints" };

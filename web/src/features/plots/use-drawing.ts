@@ -7,6 +7,7 @@ import { clock } from "../../units/units";
 import type { Player } from "../replay/player";
 import { Pace } from "./pace";
 import type { DrawPlot, PlotFrame } from "./Plot";
+import { useCompared, type Compared } from "./compared";
 import type { Known } from "./plot-set";
 import { rangeOf, type TimeView } from "./timeview";
 
@@ -17,12 +18,14 @@ interface Drawing {
   readonly touch: () => void;
 }
 
-function frameOf(store: MissionStore, view: TimeView, config: Known["config"], player: Player | null): PlotFrame {
+function frameOf(store: MissionStore, view: TimeView, config: Known["config"], player: Player | null, compared: Compared | null): PlotFrame {
   const { series } = store;
   const { snapshot } = store.read();
-  const now = series.at("time", series.length - 1) || 0;
+  const end = (of: MissionStore["series"]): number => of.at("time", of.length - 1) || 0;
+  const now = Math.max(end(series), compared === null ? 0 : end(compared.series) + compared.shift);
   return {
     series,
+    compared,
     range: rangeOf(view, now, series.firstMotion),
     known: { snapshot, config },
     decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches, moment: player?.read().time ?? null },
@@ -32,6 +35,7 @@ function frameOf(store: MissionStore, view: TimeView, config: Known["config"], p
 /** @param time shows the mission time under the cursor; @param player of a replay. */
 export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, player: Player | null): Drawing {
   const store = useStore();
+  const compared = useCompared();
   const config = useConfiguration().inForce?.config ?? null;
   const draws = useRef(new Set<DrawPlot>());
   const dirty = useRef(true);
@@ -48,10 +52,10 @@ export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, 
       const begun = performance.now();
       dirty.current = false;
       drawn = store.series.version;
-      const content = frameOf(store, view, config, player);
-      let row: number | null = null;
-      for (const draw of draws.current) row = draw(content) ?? row;
-      if (time.current) time.current.textContent = row === null ? "" : `at ${clock(store.series.at("time", row))}`;
+      const content = frameOf(store, view, config, player, compared);
+      let moment: number | null = null;
+      for (const draw of draws.current) moment = draw(content) ?? moment;
+      if (time.current) time.current.textContent = moment === null ? "" : `at ${clock(moment)}`;
       pace.drew(now, performance.now() - begun);
     };
     request = requestAnimationFrame(frame);
@@ -62,7 +66,7 @@ export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, 
       withdraw?.();
       cancelAnimationFrame(request);
     };
-  }, [store, view, config, time, player]);
+  }, [store, view, config, time, player, compared]);
 
   const touch = useCallback(() => {
     dirty.current = true;

@@ -1,0 +1,71 @@
+/** Two runs in figures; their plots lie over one another, the second one thinner and paler. */
+import { SegmentedControl } from "@mantine/core";
+import { Panel } from "../../app/Panel";
+import { hashOf } from "../../app/route";
+import type { Run } from "../../api/types";
+import type { Alignment } from "../plots/compared";
+import styles from "./ComparisonPanel.module.css";
+import { choices, figures, type Line } from "./comparison";
+
+interface ComparisonPanelProps {
+  readonly one: Run;
+  readonly other: Run;
+  readonly align: Alignment;
+  readonly onAlign: (align: Alignment) => void;
+}
+
+function Lines({ lines, label }: { readonly lines: readonly Line[]; readonly label: string }) {
+  return (
+    <tbody>
+      <tr>
+        <th scope="rowgroup" colSpan={3} className={styles.group}>
+          {label}
+        </th>
+      </tr>
+      {lines.map(({ name, one, other }) => (
+        <tr key={name} data-same={one === other || undefined}>
+          <th scope="row">{name}</th>
+          <td>{one}</td>
+          <td>{other}</td>
+        </tr>
+      ))}
+    </tbody>
+  );
+}
+
+export function ComparisonPanel({ one, other, align, onAlign }: ComparisonPanelProps) {
+  const chosen = choices(one, other);
+  return (
+    <Panel title="Two runs" aside={<a className={styles.end} href={hashOf({ page: "runs", item: one.id })}>End comparison</a>}>
+      <table className={styles.table}>
+        <thead>
+          <tr>
+            <td />
+            <th scope="col">
+              <svg width="18" height="8" aria-hidden="true"><line x1="0" y1="4" x2="18" y2="4" stroke="currentColor" strokeWidth="2.5" /></svg>
+              This run
+            </th>
+            <th scope="col">
+              <svg width="18" height="8" aria-hidden="true"><line x1="0" y1="4" x2="18" y2="4" stroke="currentColor" strokeWidth="1" opacity="0.6" /></svg>
+              <a href={hashOf({ page: "runs", item: other.id, other: one.id })} title="Show that one with its scene">{`…${other.id.slice(-6)}`}</a>
+            </th>
+          </tr>
+        </thead>
+        <Lines lines={figures(one, other)} label="What came of it" />
+        <Lines lines={chosen} label={chosen.length === 0 ? "Nothing was chosen differently" : "What was chosen differently"} />
+      </table>
+      <div className={styles.align}>
+        <span>Both begin at</span>
+        <SegmentedControl
+          aria-label="Where the two runs lie over one another"
+          value={align}
+          data={[
+            { value: "motion", label: "first motion" },
+            { value: "clock", label: "mission time 0" },
+          ]}
+          onChange={onAlign}
+        />
+      </div>
+    </Panel>
+  );
+}

@@ -1,0 +1,43 @@
+/** How two runs differ: pure functions from two runs to the lines of a table. */
+import type { Outcome, Run } from "../../api/types";
+import { lookOf } from "../../theme/looks";
+import { clock, fixed, MILLIMETRES, plain } from "../../units/units";
+
+export interface Line {
+  readonly name: string;
+  readonly one: string;
+  readonly other: string;
+}
+
+const ofOutcome = (run: Run, read: (outcome: Outcome) => string): string => (run.outcome === null ? "—" : read(run.outcome));
+
+const FIGURES: readonly (readonly [string, (run: Run) => string])[] = [
+  ["Outcome", (run) => ofOutcome(run, (outcome) => lookOf(outcome.outcome).words)],
+  ["Touches", (run) => ofOutcome(run, (outcome) => String(outcome.contacts.length))],
+  ["Closed at", (run) => ofOutcome(run, ({ closed_at: at }) => (at === null ? "never" : clock(at, 2)))],
+  ["Peak to closure, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force_to_closure, 3))],
+  ["Peak to locked arms, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force, 3))],
+  ["Cage margin, mm", (run) => ofOutcome(run, ({ cage_margin: margin }) => (margin === null ? "none" : fixed(margin * MILLIMETRES.factor, 1)))],
+  ["Final spin, rad/s", (run) => ofOutcome(run, (outcome) => fixed(outcome.final_target_spin, 3))],
+  ["Length, s", (run) => fixed(run.duration, 2)],
+];
+
+/** What came of both. */
+export const figures = (one: Run, other: Run): Line[] => FIGURES.map(([name, read]) => ({ name, one: read(one), other: read(other) }));
+
+/** Every value of a nested configuration by its full path. */
+function leaves(branch: unknown, path: string): [string, string][] {
+  if (typeof branch !== "object" || branch === null) return [[path, typeof branch === "number" ? plain(branch) : String(branch)]];
+  return Object.entries(branch).flatMap(([name, value]) => leaves(value, path === "" ? name : `${path}.${name}`));
+}
+
+/** What was chosen differently, by full path. */
+export function choices(one: Run, other: Run): Line[] {
+  const others = new Map(leaves(other.config, ""));
+  const differing = leaves(one.config, "").flatMap(([name, value]) => {
+    const theirs = others.get(name) ?? "—";
+    return theirs === value ? [] : [{ name, one: value, other: theirs }];
+  });
+  const seeds = one.seed === other.seed ? [] : [{ name: "seed", one: String(one.seed), other: String(other.seed) }];
+  return [...differing, ...seeds];
+}
