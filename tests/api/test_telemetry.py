@@ -57,7 +57,7 @@ async def test_snapshot_is_what_rest_gives(served):
     async with connect(served.telemetry) as watcher, httpx.AsyncClient(timeout=PATIENCE) as http:
         sent = await _message(watcher, "snapshot")
         got = (await http.get(f"{served.api}/mission")).json()
-    for volatile in ("type", "plant"):
+    for volatile in ("type", "plant", "problems"):  # a busy machine's lateness is among them
         sent.pop(volatile)
         got.pop(volatile, None)
     assert sent == got
