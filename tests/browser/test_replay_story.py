@@ -35,7 +35,7 @@ def test_any_moment_of_a_run_is_shown_in_scene_plots_and_readings(console: Page,
     run = _recorded(service)
     console.goto(f"{service.address}/#/runs/{run['id']}")
     replay = console.get_by_role("region", name="Replay in the scene")
-    expect(replay.locator("iframe")).to_have_attribute("src", re.compile("^/scene/playback/[0-9a-f]{16}/"))
+    expect(replay.locator("iframe")).to_have_attribute("src", re.compile(r"^\./scene/playback/[0-9a-f]{16}/"))
     moment = replay.get_by_label("At this moment")
     expect(moment).to_contain_text("Peak so far")
 
