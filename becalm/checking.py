@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from becalm.serving import address, bound_socket
+from becalm.serving import address
+from becalm.sockets import bound_socket
 from server.app import create_app
 from server.console import STATIC
 from server.settings import Chosen, Settings

@@ -15,7 +15,7 @@ import click
 import uvicorn
 from pydantic import BaseModel, ValidationError
 
-from becalm.serving import bound_socket
+from becalm.sockets import bound_socket
 from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings

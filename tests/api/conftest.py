@@ -13,7 +13,7 @@ import httpx
 import pytest
 import uvicorn
 
-from becalm.serving import bound_socket
+from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
 from server.published import MissionSnapshot

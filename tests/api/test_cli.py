@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from becalm.cli import main
-from becalm.serving import bound_socket
+from becalm.sockets import bound_socket
 from server.runs import RunStore
 from server.settings import Settings
 

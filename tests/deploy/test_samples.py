@@ -20,7 +20,7 @@ import httpx
 import pytest
 import uvicorn
 
-from becalm.serving import bound_socket
+from becalm.sockets import bound_socket
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 from server.app import create_app

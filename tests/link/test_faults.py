@@ -178,7 +178,27 @@ def test_a_sensor_that_freezes(robot, fly, sensor, words, gaps):
 
 
 @keeping_up
-@pytest.mark.parametrize("fault", [{"sensor_freeze": "joints"}, {"joint_stuck": "left_joint_2"}])
+@pytest.mark.parametrize(
+    ("angle", "later", "words"), [(0.5, 0.0, r"joint_\d jumped by"), (0.0, 1.0, "joint states jumped by")]
+)
+def test_joint_states_that_jump(robot, link, fly, stranger, angle, later, words):
+    flight = fly()
+    flight.notice_within(2 * SHORT)
+
+    def jumped() -> bool:
+        latest = link.await_joints(0, SHORT)
+        stamp = latest.stamp + 1 + round(1e9 * later)
+        stranger.publish(
+            contract.JOINT_STATES, wire.encode_joints(latest._replace(stamp=stamp, angle=latest.angle + angle))
+        )
+        return flight.lost.wait(0.05)
+
+    until(jumped, "what jumped is noticed")
+    _assert_held(robot, flight, words)
+
+
+@keeping_up
+@pytest.mark.parametrize("fault", [{"sensor_freeze": "joints"}, {"joint_stuck": "right_joint_3"}])
 def test_joints_that_do_not_follow(robot, fly, fault):
     robot.restart()
     flight = fly()
