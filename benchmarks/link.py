@@ -156,15 +156,17 @@ def pair(settings: list[str], imperfect: list[str], ends: list[str]) -> Iterator
 
 
 def watch(both: Pair, duration: float) -> dict[str, Any]:
-    """An idle mission at 200 Hz for a while [s]: what is lost, and how quick it is."""
+    """An idle mission for a while [s]: what is lost, and how quick it is; a robot that is lost is taken again."""
     before = {each["key"]: each for each in both.link()["streams"]}
-    trips, ages = [], []
+    trips, ages, again = [], [], 0
     end = time.monotonic() + duration
     while time.monotonic() < end:
         time.sleep(5.0)
         link = both.link()
         if link["problem"] or not link["held"]:
-            print(link["problem"], link["robot"], both.mission()["problems"], file=sys.stderr)
+            print(link["problem"], [each["message"] for each in both.mission()["problems"]], file=sys.stderr)
+            both.command(command="reset")
+            again += 1
             continue
         trips.append(link["round_trip"]["p99"])
         ages.append(link["command_age"]["p99"])
@@ -178,6 +180,7 @@ def watch(both: Pair, duration: float) -> dict[str, Any]:
         "round_trip_p99": float(np.median(trips)),
         "command_age_p50": link["command_age"]["p50"],
         "command_age_p99": float(np.median(ages)),
+        "taken_again": again,
         "clock_offset": link["clock_offset"],
         "phase": both.mission()["phase"],
     }

@@ -8,10 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from ends import CONFIG, PATIENT, ROBOT_DEADLINE, Certificates, Flight, Robot, becalm, free_endpoint
 
 from server.link.robot_link import LinkSettings, RobotLink
 from server.link.session import LinkSession, Transport
+
+from .ends import CONFIG, PATIENT, ROBOT_DEADLINE, Certificates, Flight, Robot, becalm, free_endpoint
 
 
 @pytest.fixture(scope="session")
@@ -29,7 +30,7 @@ def users(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: folder / name for name in ("users", "right", "wrong")}
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def robot(
     tmp_path_factory: pytest.TempPathFactory, certificates: Certificates, users: dict[str, Path]
 ) -> Iterator[Robot]:

@@ -13,12 +13,13 @@ import time
 
 import numpy as np
 import pytest
-from ends import CONFIG, ROBOT_DEADLINE, SHORT, Stalled, keeping_up, taken, until
 
 from server.link import contract, wire
 from server.link.contract import RobotMode
 from sim.capture.mission import Mission
 from sim.control.phases import Phase
+
+from .ends import CONFIG, ROBOT_DEADLINE, SHORT, Stalled, keeping_up, taken, until
 
 PERIOD = 1 / contract.CONTROL_RATE
 SWITCH = 0.05

@@ -7,10 +7,10 @@ import sys
 import threading
 from pathlib import Path
 
-from ends import PATIENCE, free_endpoint
-
 from server.link import contract
 from server.link.session import LinkSession, Transport
+
+from .ends import PATIENCE, free_endpoint
 
 ROUTER = Path(__file__).parents[2] / "deploy" / "container" / "router"
 

@@ -8,12 +8,13 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
-from ends import PATIENCE, Certificates, free_endpoint
 from pydantic import ValidationError
 
 from server.link import contract
 from server.link.session import LinkSession, Transport
 from sim.errors import ConfigError
+
+from .ends import PATIENCE, Certificates, free_endpoint
 
 Settings = dict[str, object]
 ENOUGH = 10

@@ -9,8 +9,9 @@ from typing import Any
 
 import httpx
 import pytest
-from ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, keeping_up, until
 from playwright.sync_api import Browser, expect
+
+from .ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, keeping_up, until
 
 BOUND = 1000 * PATIENCE
 """On every wait for the page [ms]."""

@@ -36,7 +36,7 @@ export function LinkPage({ shown }: { readonly shown: boolean }) {
   const stale = old || trust === "stale";
   return (
     <main className={styles.page} hidden={!shown} data-trust={stale ? "stale" : undefined} aria-label="Robot link">
-      {stale && (
+      {stale && link?.plant !== "simulation" && (
         <p className={styles.old} role="alert">
           What is shown is old: {refusal?.message ?? "the service does not answer."}
         </p>
