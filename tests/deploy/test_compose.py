@@ -48,7 +48,7 @@ def _project(**environment: str) -> dict:
 
 PROJECT = _project()
 SERVICES: dict[str, dict] = PROJECT["services"]
-PATIENCE = 180.0
+PATIENCE = 600.0
 UNHURRIED = 5.0
 """Deadline of the link [s] that a busy machine keeps, too."""
 CONSOLES = ("console", "simulation")

@@ -28,7 +28,7 @@ from server.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-PATIENCE = 180.0
+PATIENCE = 600.0
 
 _SAMPLE = re.compile(r"^(?:<!-- (?P<mark>[^\n]*) -->\n)?```(?P<language>sh|python)\n(?P<text>.*?)^```$", re.M | re.S)
 _FILE = re.compile(r"^```toml\n# (?P<name>\S+\.toml)\n(?P<text>.*?)^```$", re.M | re.S)
