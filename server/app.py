@@ -27,6 +27,7 @@ from server.api import (
     metrics,
     mission,
     playback,
+    presets,
     problem_json,
     runs,
     scene,
@@ -45,6 +46,7 @@ from server.feed import Feed
 from server.link.flown import link_of
 from server.loop import MissionLoop
 from server.playbacks import Playbacks
+from server.presets import PresetStore
 from server.projector import Projector
 from server.recorder import Recorder
 from server.retention import keep_removing
@@ -110,6 +112,7 @@ def create_app(settings: Settings) -> FastAPI:
         store,
         RunIndex(store),
         ScriptedRuns(store),
+        PresetStore(settings.data_dir),
         studies,
         study_queue,
         live_scene,
@@ -220,7 +223,20 @@ def _end_mission(services: Services) -> None:
 
 def _route(app: FastAPI) -> None:
     api = APIRouter(prefix=PREFIX)
-    for resource in (health, session, mission, control, config, link, scene, runs, playback, studies, telemetry):
+    for resource in (
+        health,
+        session,
+        mission,
+        control,
+        config,
+        presets,
+        link,
+        scene,
+        runs,
+        playback,
+        studies,
+        telemetry,
+    ):
         api.include_router(resource.router)
     app.include_router(api)
     app.include_router(metrics.router)

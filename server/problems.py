@@ -2,6 +2,7 @@
 
 CaptureError (sim.errors)
 ├── ServiceBusy     a bounded queue is full, or the plant is still being prepared (REST 503)
+├── PresetNotFound  no such preset (REST 404)
 ├── StudyNotFound   no such study (REST 404)
 ├── StudyRefused    a request that the study's status does not allow (REST 409)
 ├── ConfirmationNeeded  a study of very many cells (REST 409)
@@ -30,6 +31,10 @@ class LoopSilent(CaptureError):
 
 class DiskFull(CaptureError):
     """Too little room is left on the disk to begin something that would take more."""
+
+
+class PresetNotFound(CaptureError):
+    """No preset has that name."""
 
 
 class StudyNotFound(CaptureError):

@@ -16,7 +16,15 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
-from server.problems import ConfirmationNeeded, DiskFull, LoopSilent, ServiceBusy, StudyNotFound, StudyRefused
+from server.problems import (
+    ConfirmationNeeded,
+    DiskFull,
+    LoopSilent,
+    PresetNotFound,
+    ServiceBusy,
+    StudyNotFound,
+    StudyRefused,
+)
 from sim.config import PARAMETERS
 from sim.errors import CaptureError, ConfigError, LinkLost, MissionRefused, RunNotFound
 from sim.study.executors import WorkersUnavailable
@@ -28,6 +36,7 @@ STATUSES: dict[type[CaptureError], int] = {
     ConfigError: 422,
     MissionRefused: 409,
     RunNotFound: 404,
+    PresetNotFound: 404,
     StudyNotFound: 404,
     StudyRefused: 409,
     ConfirmationNeeded: 409,

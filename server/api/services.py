@@ -14,6 +14,7 @@ from server.feed import Feed
 from server.link.robot_link import RobotLink
 from server.loop import MissionLoop
 from server.playbacks import Playbacks
+from server.presets import PresetStore
 from server.recorder import Recorder
 from server.run_index import RunIndex
 from server.runs import RunStore
@@ -39,6 +40,7 @@ class Services:
     store: RunStore
     index: RunIndex
     scripted: ScriptedRuns
+    presets: PresetStore
     studies: StudyStore
     study_queue: StudyQueue
     scene: Scene

@@ -33,6 +33,30 @@ def test_edits_are_staged_bounded_and_applied_together(console: Page, service: S
     assert (after["mass"], after["damping"], after["stiffness"]) == (0.3, 3.0, before["stiffness"])
 
 
+def test_a_preset_outlives_a_reset_which_asks_before_it_loses_edits(console: Page, service: Service) -> None:
+    service.ask("/mission/config", {"control": {"impedance": {"damping": 0.3}}}, "PATCH")
+    expect(console.get_by_text("published_figures (edited)")).to_be_visible()
+    console.get_by_role("button", name="Keep as").click()
+    console.get_by_label("Name of the preset").fill("soft hands")
+    console.get_by_role("button", name="Keep", exact=True).click()
+    expect(console.get_by_text("Kept by operator; it would be replaced.")).to_be_visible()
+    console.get_by_label("Name of the preset").press("Tab")
+    console.get_by_role("heading", name="Parameters").click()  # closes what was opened
+
+    console.get_by_role("button", name="Reset", exact=True).click()
+    expect(console.locator("[data-verdict=armed]")).to_contain_text("What was edited is lost")
+    assert service.ask("/mission")["configuration"] == "published_figures (edited)"
+    console.get_by_role("button", name="Go: Reset").click()
+    expect(console.get_by_text("published_figures (edited)")).to_be_hidden()
+
+    console.get_by_label("Preset to stage").select_option("soft hands")
+    staged = console.get_by_role("region", name="Staged changes")
+    expect(staged).to_contain_text("1 change staged")
+    staged.get_by_role("button", name="Apply").click()
+    expect(staged).to_be_hidden()
+    assert service.ask("/mission/config")["config"]["control"]["impedance"]["damping"] == 0.3
+
+
 def test_a_parameter_that_takes_a_reset_is_refused_at_its_field(console: Page) -> None:
     press(console, "Detumble")
     console.get_by_label("Search parameters").fill("target initial spin")

@@ -16,6 +16,8 @@ import type {
   MissionConfiguration,
   MissionEvent,
   NamedConfiguration,
+  Preset,
+  PresetBody,
   PublishedTables,
   RemarksChange,
   Run,
@@ -103,6 +105,14 @@ export const readConfigurationSchema = (): Promise<ConfigurationSchema> =>
 
 export const readNamedConfigurations = (): Promise<NamedConfiguration[]> =>
   bodyOf(client.GET("/api/v1/configurations", within(ANSWER_TIME)));
+
+export const readPresets = (): Promise<Preset[]> => bodyOf(client.GET("/api/v1/presets", within(ANSWER_TIME)));
+
+export const keepPreset = (name: string, body: PresetBody): Promise<Preset> =>
+  bodyOf(client.PUT("/api/v1/presets/{name}", { params: { path: { name } }, body, ...within(ANSWER_TIME) }));
+
+export const removePreset = (name: string): Promise<null> =>
+  nothingOf(client.DELETE("/api/v1/presets/{name}", { params: { path: { name } }, ...within(ANSWER_TIME) }));
 
 export const readScene = (): Promise<SceneView> => bodyOf(client.GET("/api/v1/scene", within(ANSWER_TIME)));
 

@@ -4,13 +4,14 @@ import { useState } from "react";
 import { Panel } from "../../app/Panel";
 import { usePreferences } from "../../app/preferences";
 import { Refusal } from "../../api/refusal";
-import { changeConfiguration } from "../../api/service";
-import type { Parameter } from "../../api/types";
+import { changeConfiguration, readConfiguration } from "../../api/service";
+import type { MissionConfiguration, Parameter, Preset, PresetBody } from "../../api/types";
 import { useConfiguration, type Configuration } from "../../store/configuration";
 import { Icon } from "../../theme/Icon";
-import { changesOf, found, meaning, patchOf, settled, unsoundFields, valueAt, words, type Draft } from "./draft";
+import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, words, type Change, type Draft } from "./draft";
 import { ParameterField } from "./ParameterField";
 import styles from "./ParameterPanel.module.css";
+import { Presets } from "./Presets";
 import { StagedChanges } from "./StagedChanges";
 
 /** What the console is for: the impedance stands first and open. */
@@ -69,6 +70,13 @@ function findings(refusal: Refusal, parameters: readonly Parameter[]): Record<st
   return guilty ? { [guilty.path]: refusal.message } : {};
 }
 
+/** What is in force with what is staged, as a named configuration and its changes. */
+function presentOf(inForce: MissionConfiguration, changes: readonly Change[]): PresetBody {
+  const edited = Object.entries(inForce.edited).map(([path, { to }]): [string, unknown] => [path, to]);
+  const staged = changes.map(({ parameter, to }): [string, unknown] => [parameter.path, to]);
+  return { configuration: inForce.name.replace(" (edited)", ""), changes: nested([...edited, ...staged]) };
+}
+
 export function ParameterPanel() {
   const configuration = useConfiguration();
   const { parameters, inForce, setInForce } = configuration;
@@ -91,6 +99,18 @@ export function ParameterPanel() {
     setRefusal(null);
   };
   const changes = changesOf(draft, parameters, inForce?.config);
+  /** Against what is in force now, which a reset a moment ago may have changed. */
+  const stage = async ({ config }: Preset): Promise<void> => {
+    try {
+      const now = await readConfiguration();
+      setInForce(now);
+      setDraft(draftTowards(config, parameters, now.config, angles));
+      setRefusal(null);
+    } catch (cause) {
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefusal(cause);
+    }
+  };
   const apply = async (): Promise<void> => {
     setApplying(true);
     try {
@@ -104,12 +124,14 @@ export function ParameterPanel() {
     }
   };
 
+  const present = inForce === null ? null : presentOf(inForce, changes);
   const refusals = refusal === null ? {} : findings(refusal, parameters);
   const field = useFields(configuration, { draft, refusals, edit, leave });
   const matching = found(parameters, query);
   return (
     <Panel title="Parameters" grow aside={<span className={styles.count}>{parameters.length > 0 && `${matching.length} of ${parameters.length}`}</span>}>
       <div className={styles.first}>{parameters.filter((parameter) => parameter.group === FIRST_GROUP).map(field)}</div>
+      <Presets present={present} stage={(preset) => void stage(preset)} />
       <TextInput
         className={styles.search}
         aria-label="Search parameters"

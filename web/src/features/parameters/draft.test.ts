@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Parameter } from "../../api/types";
-import { boundsText, changesOf, fieldText, found,  meaning, nudged, patchOf, settled, unsoundFields, valueAt } from "./draft";
+import { boundsText, changesOf, draftTowards, fieldText, found, meaning, nested, nudged, patchOf, settled, unsoundFields, valueAt } from "./draft";
 
 function parameter(path: string, more: Partial<Parameter> = {}): Parameter {
   const name = path.split(".").at(-1) ?? "";
@@ -19,6 +19,18 @@ describe("staged edits", () => {
     const changes = changesOf(draft, [damping, mass], config);
     expect(changes.map((change) => [change.parameter.path, change.from, change.to])).toEqual([[damping.path, 1.5, 3]]);
     expect(patchOf(changes)).toEqual({ control: { impedance: { damping: 3 } } });
+  });
+
+  it("make a preset of what is in force: what differs is staged, in the unit on the screen", () => {
+    const wanted = { control: { impedance: { damping: 3, mass: 0.1 }, touch: { hand_tilt: 0.17453292519943295 } } };
+    const draft = draftTowards(wanted, [damping, mass, tilt], config, "deg");
+    expect(draft).toEqual({ [damping.path]: { text: "3", angles: "deg" }, [tilt.path]: { text: "10", angles: "deg" } });
+    expect(changesOf(draft, [damping, mass, tilt], config).map(({ to }) => to)).toEqual([3, expect.closeTo(0.17453, 5)]);
+    expect(draftTowards(config, [damping, mass, tilt], config, "rad")).toEqual({});
+  });
+
+  it("are kept as a tree, the later of two values of one path", () => {
+    expect(nested([["a.b", 1], ["a.c", 2], ["a.b", 3]])).toEqual({ a: { b: 3, c: 2 } });
   });
 
   it("are gone when a field is left that says what is in force anyway", () => {

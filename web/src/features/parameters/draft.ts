@@ -88,6 +88,16 @@ export function settled(draft: Draft, parameter: Parameter, config: unknown): Dr
   return Object.fromEntries(Object.entries(draft).filter(([path]) => path !== parameter.path));
 }
 
+/** The draft that makes one configuration of another: every value in which they differ. */
+export function draftTowards(wanted: unknown, parameters: readonly Parameter[], config: unknown, angles: AngleUnit): Draft {
+  const entries = parameters.flatMap((parameter): [string, Draft[string]][] => {
+    const [value, present] = [valueAt(wanted, parameter.path), valueAt(config, parameter.path)];
+    if (value === undefined || present === undefined || equal(value, present)) return [];
+    return [[parameter.path, { text: fieldText(parameter, value, angles), angles }]];
+  });
+  return Object.fromEntries(entries);
+}
+
 /** The staged fields that cannot be sent as they stand. */
 export function unsoundFields(draft: Draft, parameters: readonly Parameter[]): Parameter[] {
   return parameters.filter((parameter) => {
@@ -97,10 +107,14 @@ export function unsoundFields(draft: Draft, parameters: readonly Parameter[]): P
 }
 
 /** The changes as the nested body that the service takes. */
-export function patchOf(changes: readonly Change[]): Record<string, unknown> {
+export const patchOf = (changes: readonly Change[]): Record<string, unknown> =>
+  nested(changes.map(({ parameter, to }): [string, unknown] => [parameter.path, to]));
+
+/** Values by full path as a tree. */
+export function nested(values: readonly (readonly [string, unknown])[]): Record<string, unknown> {
   const body: Record<string, unknown> = {};
-  for (const { parameter, to } of changes) {
-    const groups = parameter.path.split(".");
+  for (const [path, to] of values) {
+    const groups = path.split(".");
     const leaf = groups.pop() ?? "";
     let branch = body;
     for (const group of groups) branch = (branch[group] ??= {}) as Record<string, unknown>;

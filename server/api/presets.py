@@ -1,0 +1,66 @@
+"""`/presets`: parameters kept by name, the same for everyone who uses this service."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Response
+from fastapi import Path as InPath
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.api.problem_json import responses
+from server.api.services import AskerDep, ServicesDep
+from server.presets import NAME, Preset
+from server.run_folder import wall_clock
+from sim.config import MissionConfig
+from sim.errors import ConfigError
+
+router = APIRouter(prefix="/presets", tags=["configuration"])
+
+PresetName = Annotated[str, InPath(pattern=f"^{NAME}$", examples=["soft hands"])]
+
+
+class PresetBody(BaseModel):
+    """What to keep."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    configuration: str = Field(description="The named configuration that it changes", examples=["published_figures"])
+    changes: dict[str, Any] = Field(description="Nested, SI", examples=[{"control": {"impedance": {"damping": 3.0}}}])
+
+
+class KeptPreset(BaseModel):
+    """A preset, and what it comes to."""
+
+    preset: Preset
+    config: MissionConfig | None = Field(description="Null if this version of Becalm cannot fly it")
+    refusal: str | None = Field(description="Why not")
+
+
+@router.get("", responses=responses(422))
+async def presets(services: ServicesDep) -> list[KeptPreset]:
+    """All of them, by name."""
+    return [_kept(preset) for preset in await asyncio.to_thread(services.presets.presets)]
+
+
+@router.put("/{name}", responses=responses(422))
+async def keep_preset(services: ServicesDep, asker: AskerDep, name: PresetName, body: PresetBody) -> KeptPreset:
+    """Keep parameters by that name, in place of what it named before."""
+    preset = Preset(name=name, configuration=body.configuration, changes=body.changes, who=asker, at=wall_clock())
+    await asyncio.to_thread(services.presets.keep, preset)
+    return _kept(preset)
+
+
+@router.delete("/{name}", status_code=204, responses=responses(404, 422))
+async def remove_preset(services: ServicesDep, name: PresetName) -> Response:
+    """Keep that one no longer."""
+    await asyncio.to_thread(services.presets.remove, name)
+    return Response(status_code=204)
+
+
+def _kept(preset: Preset) -> KeptPreset:
+    try:
+        return KeptPreset(preset=preset, config=preset.config(), refusal=None)
+    except ConfigError as error:
+        return KeptPreset(preset=preset, config=None, refusal=str(error))

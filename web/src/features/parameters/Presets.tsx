@@ -1,0 +1,79 @@
+/** Parameters kept by name: chosen, they are staged like any edit; what is in force and staged is kept by a name. */
+import { Button, NativeSelect, Popover, TextInput } from "@mantine/core";
+import { useCallback, useEffect, useState } from "react";
+import { ConfirmButton } from "../../app/ConfirmButton";
+import { useDoing } from "../../app/use-doing";
+import { keepPreset, readPresets, removePreset } from "../../api/service";
+import type { Preset, PresetBody } from "../../api/types";
+import { useView } from "../../store/context";
+import { useReasonByRole } from "../access/session";
+import styles from "./Presets.module.css";
+
+interface PresetsProps {
+  /** What would be kept now; null while it is not known. */
+  readonly present: PresetBody | null;
+  /** Stages what a preset comes to. */
+  readonly stage: (preset: Preset) => void;
+}
+
+/** Read with each connection, and again after a change of one's own. */
+function usePresets(): { readonly presets: readonly Preset[]; readonly again: () => void } {
+  const [presets, setPresets] = useState<readonly Preset[]>([]);
+  const open = useView((view) => view.link.state === "open");
+  const again = useCallback(() => {
+    // Without an answer the choice stays as it is, and the link's own notice says why.
+    readPresets().then(setPresets, () => undefined);
+  }, []);
+  useEffect(() => {
+    if (open) again();
+  }, [open, again]);
+  return { presets, again };
+}
+
+export function Presets({ present, stage }: PresetsProps) {
+  const { presets, again } = usePresets();
+  const { doing, waiting, refusal } = useDoing();
+  const byRole = useReasonByRole("operator");
+  const [name, setName] = useState("");
+  const known = presets.find(({ preset }) => preset.name === name.trim());
+  const change = (work: () => Promise<unknown>): void => void doing(() => work().then(again));
+  return (
+    <div className={styles.presets}>
+      <NativeSelect
+        aria-label="Preset to stage"
+        value=""
+        onFocus={again}
+        data={[
+          { value: "", label: presets.length === 0 ? "No preset kept yet" : "Stage a preset" },
+          ...presets.map(({ preset, config }) => ({ value: preset.name, label: preset.name, disabled: config === null })),
+        ]}
+        onChange={(event) => {
+          const chosen = presets.find(({ preset }) => preset.name === event.currentTarget.value);
+          if (chosen === undefined) return;
+          setName(chosen.preset.name);
+          stage(chosen);
+        }}
+      />
+      <Popover position="bottom-end" trapFocus>
+        <Popover.Target>
+          <Button disabled={byRole !== null} title={byRole ?? undefined}>
+            Keep as
+          </Button>
+        </Popover.Target>
+        <Popover.Dropdown>
+          <div className={styles.keep}>
+            <TextInput aria-label="Name of the preset" placeholder="such as: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
+            <p>{known ? `Kept by ${known.preset.who}; it would be replaced.` : "Keeps what is in force, with what is staged."}</p>
+            <div className={styles.pair}>
+              <Button variant="filled" loading={waiting} disabled={name.trim() === "" || present === null} onClick={() => { if (present !== null) change(() => keepPreset(name.trim(), present)); }}>
+                {known ? "Replace" : "Keep"}
+              </Button>
+              {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.preset.name)); }} />}
+            </div>
+            {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+          </div>
+        </Popover.Dropdown>
+      </Popover>
+    </div>
+  );
+}
