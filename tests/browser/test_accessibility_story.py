@@ -14,9 +14,15 @@ pytestmark = pytest.mark.browser
 AXE = Path(__file__).parents[2] / "web" / "node_modules" / "axe-core" / "axe.min.js"
 
 FOUND = """async () => {
+  const trusted = () => document.querySelector("[data-trust]").dataset.trust === "live";
+  const before = trusted();
   const {violations} = await axe.run(document, {iframes: false, resultTypes: ["violations"]});
+  if (!before || !trusted()) return null;
   return violations.flatMap(({id, help, nodes}) => nodes.map(({html}) => `${id}: ${help}: ${html.slice(0, 200)}`));
 }"""
+"""Null if the data were old meanwhile: then they are greyed, as they must be."""
+
+TRIES = 30
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +44,12 @@ def addresses(service: Service) -> dict[str, str]:
 def _read(page: Page, words: str) -> list[str]:
     expect(page.get_by_text(words).locator("visible=true").first).to_be_visible()
     page.evaluate(AXE.read_text())
-    found: list[str] = page.evaluate(FOUND)
-    return found
+    for _ in range(TRIES):
+        expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
+        found: list[str] | None = page.evaluate(FOUND)
+        if found is not None:
+            return found
+    pytest.fail("the page's data were old at every look")
 
 
 @pytest.mark.skipif(not AXE.exists(), reason="the console was built without what checks it: make check installs that")
