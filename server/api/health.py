@@ -26,6 +26,8 @@ class Health(BaseModel):
                 "tick_age": 0.0012,
                 "link_age": None,
                 "phase": "idle",
+                "recorder_lag": 0.0,
+                "recorder_failure": None,
             }
         }
     )
@@ -36,6 +38,8 @@ class Health(BaseModel):
     tick_age: float | None = Field(description="Since the last tick [s]; null before the first")
     link_age: float | None = Field(description="Since the robot was last heard of [s]; null in simulation")
     phase: str | None = Field(description="Of the mission; null before there is one")
+    recorder_lag: float = Field(description="How long the oldest tick in memory may have waited for the disk [s]")
+    recorder_failure: str | None = Field(description="Why the run is not being recorded; null while it is")
 
 
 @router.get("/health")
@@ -49,4 +53,6 @@ async def health(services: ServicesDep) -> Health:
         tick_age=services.loop.tick_age,
         link_age=services.link.age() if services.link is not None else None,
         phase=latest.snapshot.phase if latest else None,
+        recorder_lag=services.recorder.lag,
+        recorder_failure=services.recorder.failure,
     )

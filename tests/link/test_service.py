@@ -165,6 +165,27 @@ def test_the_link_page_shows_streams_tares_and_sees_a_robot_hang_and_stop(robot,
     page.close()
 
 
+@pytest.mark.browser
+@keeping_up
+def test_what_moves_the_robot_takes_two_presses(robot, service, browser: Browser):
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
+    page.goto(str(service.process.http.base_url))
+    detumble = page.get_by_role("button", name=re.compile("^(Go: )?Detumble$"))
+    answer = page.locator("[data-verdict]")
+    expect(detumble).to_have_attribute("aria-disabled", "false", timeout=BOUND)
+    detumble.dblclick()
+    expect(answer).to_contain_text("The robot will move. Press again to go.", timeout=BOUND)
+    assert service.get("/mission")["phase"] == "idle"
+    for _ in range(TRIES):  # it is armed for six seconds, in which a busy machine may stand still
+        detumble.click()
+        expect(answer).not_to_have_attribute("data-verdict", "waiting", timeout=BOUND)
+        if answer.get_attribute("data-verdict") == "accepted":
+            break
+    expect(answer).to_contain_text("Detumble accepted", timeout=BOUND)
+    page.close()
+
+
 def test_a_whole_capture_ends_caged(robot, service):
     # Where the machine stands still the arms do not see what they touch: then another one is flown.
     ends = (_capture(robot, service, seed) for seed in range(1, TRIES + 1))

@@ -13,9 +13,10 @@ function watchHealth(store: MissionStore): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let ended = false;
   const look = async (): Promise<void> => {
+    const asked = performance.now();
     const health = await readHealth().catch(() => null);
     if (ended) return;
-    store.health(health);
+    store.health(health, performance.now() - asked);
     timer = setTimeout(() => void look(), store.read().trust === "live" ? HEALTH_PERIOD.calm : HEALTH_PERIOD.amiss);
   };
   void look();

@@ -32,6 +32,8 @@ export interface MissionView {
   readonly retryIn: number;
   readonly events: readonly MissionEvent[];
   readonly health: Health | null;
+  /** How long the service took to say so, milliseconds; null without an answer. */
+  readonly answerTime: number | null;
   /** When the service was first seen preparing, on the clock of `performance.now()`. */
   readonly preparingSince: number | null;
 }
@@ -45,6 +47,7 @@ const NOTHING: MissionView = {
   retryIn: 0,
   events: [],
   health: null,
+  answerTime: null,
   preparingSince: null,
 };
 
@@ -112,10 +115,11 @@ export class MissionStore implements Sink {
     this.change({ link, connections }, true);
   }
 
-  health(health: Health | null): void {
+  /** @param answerTime how long the service took to answer, milliseconds. */
+  health(health: Health | null, answerTime: number): void {
     const since = this.view.preparingSince;
     const preparingSince = health?.status === "preparing" ? (since ?? this.now()) : null;
-    this.change({ health, preparingSince }, true);
+    this.change({ health, preparingSince, answerTime: health === null ? null : answerTime }, true);
   }
 
   reset(): void {

@@ -43,8 +43,7 @@ export function CommandButton({ words, sign, request = {}, against = null, warni
   const arming = armingWords(words, real, warning);
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);
-    else if (arming !== null && !armed) desk.arm(words.command, arming);
-    else void desk.send({ command: words.command, ...request });
+    else desk.press({ command: words.command, ...request }, arming);
   };
   return (
     <Tooltip label={reason ?? words.does} position="right">

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { noAnswer, refusalOf } from "../../api/refusal";
 import type { CommandAnswer } from "../../api/types";
-import { ARMED_TIME, CommandDesk } from "./desk";
+import { ARMED_TIME, CommandDesk, DOUBLE_CLICK } from "./desk";
 
 const answer: CommandAnswer = { id: "c", command: "capture", accepted: true, phase: "detumbling", tick: 1, time: 0, message: "begins" };
 const never = () => Promise.reject(new Error("not expected"));
@@ -56,6 +56,24 @@ describe("a command in two steps", () => {
     expect(desk.read().armed).toBe("capture");
     vi.advanceTimersByTime(1);
     expect(desk.read()).toMatchObject({ armed: null, answer: null });
+  });
+
+  it("goes at the second press, unless that is the end of a double click", async () => {
+    const send = vi.fn(() => Promise.resolve(answer));
+    const desk = new CommandDesk({ send, stop: never });
+    desk.press({ command: "capture" }, "The robot will move.");
+    vi.advanceTimersByTime(DOUBLE_CLICK - 1);
+    desk.press({ command: "capture" }, "The robot will move.");
+    expect(send).not.toHaveBeenCalled();
+    vi.advanceTimersByTime(1);
+    desk.press({ command: "capture" }, "The robot will move.");
+    await vi.waitFor(() => {
+      expect(desk.read().answer?.verdict).toBe("accepted");
+    });
+    expect(send).toHaveBeenCalledExactlyOnceWith({ command: "capture" });
+    expect(desk.read().armed).toBeNull();
+    desk.press({ command: "hold" }, null);
+    expect(send).toHaveBeenCalledTimes(2);
   });
 
   it("is armed no longer once anything else was ordered, or STOP", async () => {

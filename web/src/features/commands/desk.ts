@@ -33,6 +33,9 @@ const STOP_TRIES = 3;
 /** Milliseconds for which an order stays armed. */
 export const ARMED_TIME = 6000;
 
+/** Milliseconds after arming in which a press is the second half of a double click, and no decision. */
+export const DOUBLE_CLICK = 400;
+
 interface Service {
   readonly send: (request: CommandRequest) => Promise<CommandAnswer>;
   readonly stop: () => Promise<CommandAnswer>;
@@ -41,6 +44,7 @@ interface Service {
 export class CommandDesk {
   private view: DeskView = { waiting: new Set(), answer: null, armed: null, stop: null };
   private readonly listeners = new Set<() => void>();
+  private armedAt = 0;
   private disarming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly service: Service = { send: sendCommand, stop: stopMission }) {}
@@ -64,9 +68,18 @@ export class CommandDesk {
     this.change({ waiting: without(this.view.waiting, order), answer });
   }
 
+  /** A press of a button: sends its command, at once or, where `arming` says what it will do, at the second press. */
+  press(request: CommandRequest, arming: string | null): void {
+    const order = request.command;
+    if (arming === null) void this.send(request);
+    else if (this.view.armed !== order) this.arm(order, arming);
+    else if (performance.now() - this.armedAt >= DOUBLE_CLICK) void this.send(request);
+  }
+
   /** The first of two presses: says what the second one will do, and takes itself back after a while. */
   arm(order: Order, words: string): void {
     this.disarm();
+    this.armedAt = performance.now();
     this.change({ armed: order, answer: { order, verdict: "armed", words, tip: "" } });
     this.disarming = setTimeout(() => {
       this.disarm();

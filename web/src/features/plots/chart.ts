@@ -6,6 +6,7 @@ import type { CanvasColours } from "../../theme/canvas";
 import { fixed, type Shown } from "../../units/units";
 import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import { comparedSlice, type Compared } from "./compared";
+import { instantOfPeak } from "./peaks";
 import type { PlotDefinition } from "./plot-set";
 import type { Range } from "./timeview";
 
@@ -33,6 +34,7 @@ export class Chart {
   private decorations: Decorations | null = null;
   /** The highest peak that is marked in view. */
   private peak = -Infinity;
+  private peakInstants: readonly number[] = [];
 
   constructor(
     private readonly definition: PlotDefinition,
@@ -64,6 +66,7 @@ export class Chart {
     const from = Math.max(0, series.rowAt(range.from) - 1);
     const to = Math.min(series.length, series.rowAt(range.to) + 1);
     this.decorations = decorations;
+    this.peakInstants = this.definition.peaks ? decorations.touches.map((touch) => instantOfPeak(series, touch)) : [];
     this.peak = this.definition.peaks ? highestPeak(decorations.touches, range) : -Infinity;
     const quantities = this.definition.curves.map(({ quantity }) => quantity);
     const own = this.table(series.slice("time", from, to), quantities.map((quantity) => series.slice(quantity, from, to)));
@@ -119,7 +122,7 @@ export class Chart {
             if (this.decorations === null) return;
             drawLevels(plot, this.decorations);
             drawTouches(plot, this.decorations);
-            if (this.definition.peaks) drawPeaks(plot, this.decorations);
+            if (this.definition.peaks) drawPeaks(plot, this.decorations, this.peakInstants);
             drawMoment(plot, this.decorations);
           },
         ],

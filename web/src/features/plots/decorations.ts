@@ -81,14 +81,14 @@ export function drawLevels(plot: uPlot, { levels, colours }: Decorations): void 
   ctx.restore();
 }
 
-/** In front: the peak that was measured tick by tick within each touch. */
-export function drawPeaks(plot: uPlot, { touches, colours }: Decorations): void {
+/** In front: the peak that was measured tick by tick within each touch, at its instant. */
+export function drawPeaks(plot: uPlot, { touches, colours }: Decorations, instants: readonly number[]): void {
   const { ctx, bbox } = plot;
   const size = 4 * pixelRatio(plot);
   ctx.save();
   ctx.lineWidth = 1.5 * pixelRatio(plot);
-  for (const touch of touches) {
-    const x = plot.valToPos((touch.start + (touch.end ?? touch.start)) / 2, "x", true);
+  for (const [place, touch] of touches.entries()) {
+    const x = plot.valToPos(instants[place] ?? touch.start, "x", true);
     if (x < bbox.left || x > bbox.left + bbox.width) continue;
     const y = plot.valToPos(touch.peak, "y", true);
     ctx.strokeStyle = colours.of(touch.arm);
