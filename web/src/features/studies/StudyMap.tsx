@@ -8,7 +8,10 @@ import { inkOn, viridis } from "./viridis";
 import type { PublishedClasses } from "./published";
 import type { Rows } from "./use-study";
 
-const CELL = 17;
+/** A cell of a large grid; those of a small one are larger, so that the axes have room for their words. */
+const SMALLEST_CELL = 17;
+const LARGEST_CELL = 44;
+const GRID = 187;
 const LEFT = 54;
 const TOP = 28;
 const BOTTOM = 44;
@@ -52,8 +55,13 @@ export const axisTitle = (axis: { readonly path: string; readonly unit: string }
 
 const valueWords = (value: Value): string => (typeof value === "number" ? plain(value) : value);
 
-const panelWidth = (spread: Spread): number => LEFT + spread.x.values.length * CELL + GAP;
-const panelHeight = (spread: Spread): number => TOP + (spread.y?.values.length ?? 1) * CELL + BOTTOM;
+function cellSize({ x, y }: Spread): number {
+  const most = Math.max(x.values.length, y?.values.length ?? 1);
+  return Math.min(LARGEST_CELL, Math.max(SMALLEST_CELL, Math.floor(GRID / most)));
+}
+
+const panelWidth = (spread: Spread): number => LEFT + spread.x.values.length * cellSize(spread) + GAP;
+const panelHeight = (spread: Spread): number => TOP + (spread.y?.values.length ?? 1) * cellSize(spread) + BOTTOM;
 
 /** Size of the whole picture in its own units. */
 export function mapSize(spread: Spread, across: number, compared: boolean): { width: number; height: number } {
@@ -118,7 +126,8 @@ function MapCell({ props, place }: { readonly props: PanelProps; readonly place:
   const cell = place.cells[0] ?? 0;
   const where = [axisTitle(spread.x), valueWords(xValue ?? ""), spread.y ? axisTitle(spread.y) : "", valueWords(yValue ?? "")].join(" ");
   const label = `${where}: ${words(shown)}${differs ? `; published ${lookOf(theirs).words}` : ""}`;
-  const [x, y] = [LEFT + place.column * CELL, TOP + (lines - 1 - place.row) * CELL];
+  const size = cellSize(spread);
+  const [x, y] = [LEFT + place.column * size, TOP + (lines - 1 - place.row) * size];
   const chosen = !printed && place.cells.includes(selected ?? -1);
   const select = () => {
     onSelect(cell);
@@ -138,12 +147,12 @@ function MapCell({ props, place }: { readonly props: PanelProps; readonly place:
       }}
     >
       <title>{label}</title>
-      <rect x={x} y={y} width={CELL} height={CELL} fill={colouring.colour(shown)} stroke={paper.page} strokeWidth={1} />
-      <text x={x + CELL / 2} y={y + CELL / 2 + 3.300} textAnchor="middle" fontSize={9} fill={colouring.ink(shown)} opacity={0.85}>
+      <rect x={x} y={y} width={size} height={size} fill={colouring.colour(shown)} stroke={paper.page} strokeWidth={1} />
+      <text x={x + size / 2} y={y + size / 2 + 3.300} textAnchor="middle" fontSize={9} fill={colouring.ink(shown)} opacity={0.85}>
         {colouring.letter(shown)}
       </text>
-      {differs && <rect x={x + 1.500} y={y + 1.500} width={CELL - 3} height={CELL - 3} fill="none" stroke="#10151c" strokeWidth={1.500} strokeDasharray="3 2" />}
-      {chosen && <rect x={x + 1} y={y + 1} width={CELL - 2} height={CELL - 2} fill="none" stroke={paper.ink} strokeWidth={2.500} />}
+      {differs && <rect x={x + 1.500} y={y + 1.500} width={size - 3} height={size - 3} fill="none" stroke="#10151c" strokeWidth={1.500} strokeDasharray="3 2" />}
+      {chosen && <rect x={x + 1} y={y + 1} width={size - 2} height={size - 2} fill="none" stroke={paper.ink} strokeWidth={2.500} />}
     </g>
   );
 }
@@ -154,8 +163,9 @@ const labelled = (count: number, place: number): boolean => count <= 8 || place 
 function MapPanel(props: PanelProps) {
   const { spread, panel, title, paper, x, y } = props;
   const lines = spread.y?.values.length ?? 1;
-  const width = spread.x.values.length * CELL;
-  const foot = TOP + lines * CELL;
+  const size = cellSize(spread);
+  const width = spread.x.values.length * size;
+  const foot = TOP + lines * size;
   return (
     <g transform={`translate(${x} ${y})`} role="group" aria-label={title}>
       <text x={LEFT} y={TOP - 10} fontSize={12.500} fontWeight={600} fill={paper.ink}>
@@ -166,7 +176,7 @@ function MapPanel(props: PanelProps) {
       ))}
       {spread.x.values.map((value, column) =>
         labelled(spread.x.values.length, column) ? (
-          <text key={column} x={LEFT + (column + 0.5) * CELL} y={foot + 14} fontSize={10.500} textAnchor="middle" fill={paper.dim}>
+          <text key={column} x={LEFT + (column + 0.5) * size} y={foot + 14} fontSize={10.500} textAnchor="middle" fill={paper.dim}>
             {valueWords(value)}
           </text>
         ) : null,
@@ -176,13 +186,13 @@ function MapPanel(props: PanelProps) {
       </text>
       {spread.y?.values.map((value, row) =>
         labelled(lines, row) ? (
-          <text key={row} x={LEFT - 6} y={TOP + (lines - row - 0.5) * CELL + 3.500} fontSize={10.500} textAnchor="end" fill={paper.dim}>
+          <text key={row} x={LEFT - 6} y={TOP + (lines - row - 0.5) * size + 3.500} fontSize={10.500} textAnchor="end" fill={paper.dim}>
             {valueWords(value)}
           </text>
         ) : null,
       )}
       {spread.y && (
-        <text transform={`translate(14 ${TOP + (lines * CELL) / 2}) rotate(-90)`} fontSize={11} textAnchor="middle" fill={paper.ink}>
+        <text transform={`translate(14 ${TOP + (lines * size) / 2}) rotate(-90)`} fontSize={11} textAnchor="middle" fill={paper.ink}>
           {axisTitle(spread.y)}
         </text>
       )}
