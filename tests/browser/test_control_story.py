@@ -60,7 +60,7 @@ def test_control_is_taken_by_commanding_handed_over_and_taken_back(operators: tu
     ana.get_by_role("button", name="Relieve ben").click()
     ana.get_by_role("button", name="Really relieve ben?").click()
     expect(ben.get_by_role("button", name="ana is in control")).to_be_visible()
-    expect(ben.get_by_role("log", name="Events")).to_contain_text("ana is in control, ben is relieved")
+    expect(ben.get_by_role("log", name="Events")).to_contain_text("ana is in control, ben is relieved by ana")
     ben.get_by_role("button", name="STOP").click()  # whoever is in control
     phases = ana.get_by_role("list", name="Phases").locator("[aria-current=step]")
     expect(phases).to_contain_text("Stopped")

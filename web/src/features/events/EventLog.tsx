@@ -10,8 +10,12 @@ import styles from "./EventLog.module.css";
 /** Within this many pixels of its end the log is at its end. */
 const END = 24;
 
+/** The service's name for who asks without a token. */
+const ANYONE = "operator";
+
 function Entry({ event }: { readonly event: MissionEvent }) {
-  const who = event.who ? `by ${event.who}` : "";
+  // Where nobody signs in, all is by the one operator.
+  const who = event.who && event.who !== ANYONE ? event.who : null;
   return (
     <li className={styles.event} data-severity={event.severity} data-kind={event.kind}>
       <time className={styles.time} dateTime={event.at} title={`tick ${event.tick}, ${event.at}`}>
@@ -23,8 +27,9 @@ function Entry({ event }: { readonly event: MissionEvent }) {
           <span className="visually-hidden">{event.severity}:</span>
         </>
       )}
-      <span className={styles.message} title={who}>
+      <span className={styles.message}>
         {event.message}
+        {who !== null && <span className={styles.who}> by {who}</span>}
       </span>
     </li>
   );
