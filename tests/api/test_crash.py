@@ -107,6 +107,9 @@ def _check(reader, reference) -> None:
     ticks = np.concatenate([reference[:0], *reader.chunks()])
     assert ticks.tobytes() == reference[: len(ticks)].tobytes()
     assert len(ticks) == record.ticks
+    if record.status == "queued":  # killed between its making and its begin: the next service flies it
+        assert record.ticks == 0
+        return
     assert record.ended
     assert record.integrity in ("complete", "recovered")
     if record.integrity == "complete" and record.status == "finished":
