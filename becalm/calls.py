@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -18,6 +18,7 @@ from server.api.config import ConfigBody
 from server.api.health import Health
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
+from server.control import ControlCommand
 from server.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from sim.errors import CaptureError
@@ -131,7 +132,7 @@ def stop() -> Call[CommandAnswer]:
     return Call("POST", "mission/stop", _as(CommandAnswer))
 
 
-def control(action: Literal["take", "relieve", "hand_over", "release"], to: str | None = None) -> Call[CommandAnswer]:
+def control(action: ControlCommand, to: str | None = None) -> Call[CommandAnswer]:
     """Take control of the live mission, relieve who has it, hand it over to another operator, or release it."""
     return Call("POST", "mission/control", _as(CommandAnswer), {"action": action, "to": to})
 

@@ -7,10 +7,15 @@ that there is one order of commands and of changes of hands.
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from sim.capture.snapshot import Published
 from sim.errors import MissionRefused
+
+ControlCommand = Literal["take_control", "relieve", "hand_over", "release_control"]
+"""The commands by which control changes hands; each decides itself who may give it."""
 
 
 class Control(Published):
@@ -32,6 +37,22 @@ class Control(Published):
                 f"{self.holder} is in control of the mission, since {self.since}",
                 tip=f"ask {self.holder} to hand over, or relieve {self.holder}; STOP is never refused",
             )
+
+    def changed(self, command: ControlCommand, who: str, to: str, now: str) -> tuple[Control, str]:
+        """Control after that command by `who`, and what happened in words; `to` is whom it is handed over to.
+
+        Raises:
+            MissionRefused: it is not theirs to take, to offer or to release.
+
+        """
+        if command == "take_control":
+            return self.taken(who, now), f"{who} is in control"
+        if command == "relieve":
+            relieved = "" if self.holder in (None, who) else f", {self.holder} is relieved"
+            return self.relieved(who, now), f"{who} is in control{relieved}"
+        if command == "hand_over":
+            return self.offered(who, to), f"{who} hands control over to {to}, who has to take it"
+        return self.released(who), f"{who} has released control"
 
     def taken(self, who: str, now: str) -> Control:
         """After `who` has taken what is free, theirs already, or offered to them.

@@ -11,9 +11,9 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple, cast, get_args
 
-from server.control import Control
+from server.control import Control, ControlCommand
 from server.disk import DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
@@ -50,8 +50,6 @@ STOP_PATIENCE = 0.1
 
 _SIMULATED = ("pause", "run", "step", "fork")
 """What only a simulation can do."""
-_OF_CONTROL = ("take_control", "relieve", "hand_over", "release_control")
-"""What decides itself who may ask it."""
 _REAL_TIME = "{} is refused: a robot is flown, in real time"
 
 LoopStatus = Literal["preparing", "ok", "faulted"]
@@ -393,27 +391,15 @@ class MissionLoop:
             MissionRefused: somebody else is in control.
 
         """
-        if request.command in _OF_CONTROL:
+        if request.command in get_args(ControlCommand):
             return None
         self.control.require(request.who)  # an offer is taken by saying so, not by a command
         return self.control.taken(request.who, wall_clock())
 
-    def _take_control(self, request: Request) -> str:
-        self.control = self.control.taken(request.who, wall_clock())
-        return f"{request.who} is in control"
-
-    def _relieve(self, request: Request) -> str:
-        before, self.control = self.control.holder, self.control.relieved(request.who, wall_clock())
-        relieved = f", {before} is relieved" if before not in (None, request.who) else ""
-        return f"{request.who} is in control{relieved}"
-
-    def _hand_over(self, request: Request) -> str:
-        self.control = self.control.offered(request.who, request.to)
-        return f"{request.who} hands control over to {request.to}, who has to take it"
-
-    def _release_control(self, request: Request) -> str:
-        self.control = self.control.released(request.who)
-        return f"{request.who} has released control"
+    def _change_control(self, request: Request) -> str:
+        command = cast("ControlCommand", request.command)
+        self.control, message = self.control.changed(command, request.who, request.to, wall_clock())
+        return message
 
     def _grant(self, request: Request) -> str:
         self._flying.grant(Command(request.command))
@@ -469,10 +455,7 @@ class MissionLoop:
         "reset": _reset,
         "fork": _fork,
         "configure": _configure,
-        "take_control": _take_control,
-        "relieve": _relieve,
-        "hand_over": _hand_over,
-        "release_control": _release_control,
+        **dict.fromkeys(get_args(ControlCommand), _change_control),
     }
 
     def _fly(self, ticks: int, now: float) -> None:

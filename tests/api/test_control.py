@@ -37,7 +37,7 @@ def _free(crew):
     yield
     crew["ana"].control("relieve")
     crew["ana"].command("reset")
-    crew["ana"].control("release")
+    crew["ana"].control("release_control")
 
 
 def refusal(ask, *args, **fields) -> str:
@@ -76,12 +76,12 @@ def test_a_command_that_is_refused_takes_no_control(crew):
 
 
 def test_control_is_handed_over_by_an_offer_that_is_taken(crew):
-    crew["ana"].control("take")
+    crew["ana"].control("take_control")
     crew["ana"].control("hand_over", to="ben")
     assert crew["vic"].mission().control.offered_to == "ben"
     crew["ana"].command("pause")  # until it is taken, it is ana's
     assert "ana is in control" in refusal(crew["ben"].command, "run")
-    assert crew["ben"].control("take").message == "ben is in control"
+    assert crew["ben"].control("take_control").message == "ben is in control"
     assert "ben is in control" in refusal(crew["ana"].command, "run")
     crew["ben"].command("run")
 
@@ -89,7 +89,7 @@ def test_control_is_handed_over_by_an_offer_that_is_taken(crew):
 def test_an_operator_who_does_not_answer_is_relieved_and_the_log_says_by_whom(crew):
     crew["ana"].command("capture")
     run = crew["ana"].mission().run_id
-    assert "ana is in control" in refusal(crew["ben"].control, "take")
+    assert "ana is in control" in refusal(crew["ben"].control, "take_control")
     assert crew["ben"].control("relieve").message == "ben is in control, ana is relieved"
     crew["ben"].command("hold")
     assert commands_of(crew["vic"], run, "hold") == [
@@ -103,15 +103,15 @@ def test_an_operator_who_does_not_answer_is_relieved_and_the_log_says_by_whom(cr
 def test_control_stays_with_its_holder_when_a_new_mission_begins(crew):
     crew["ana"].command("reset")
     assert crew["vic"].mission().control.holder == "ana"
-    crew["ana"].control("release")
+    crew["ana"].control("release_control")
     assert crew["vic"].mission().control.holder is None
 
 
 def test_an_observer_cannot_be_given_control_nor_take_it(crew):
-    crew["ana"].control("take")
+    crew["ana"].control("take_control")
     assert "to = 'vic' is no operator; known: ana, ben" in refusal(crew["ana"].control, "hand_over", to="vic")
     with pytest.raises(ServiceRefused) as refused:
-        crew["vic"].control("take")
+        crew["vic"].control("take_control")
     assert refused.value.status == 403
 
 
@@ -120,6 +120,6 @@ async def test_without_tokens_there_is_one_operator(console):
     answer = await console.http.post("/mission/control", json={"action": "hand_over", "to": "ben"})
     assert answer.status_code == 409
     assert "there is one operator only" in answer.json()["detail"]
-    answer = await console.http.post("/mission/control", json={"action": "take", "to": "ben"})
+    answer = await console.http.post("/mission/control", json={"action": "take_control", "to": "ben"})
     assert answer.status_code == 422
     assert "hand_over, and only that, says to whom" in answer.text

@@ -91,6 +91,7 @@ def test_every_camera_can_be_chosen_before_any_browser_is_there(scene, camera):
     scene.start()
     scene.set_camera(camera)
     scene.show(flown().snapshot())
+    assert scene.camera == camera
 
 
 def test_an_unknown_camera_is_refused(scene):

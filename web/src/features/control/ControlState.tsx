@@ -41,7 +41,7 @@ function Mine({ control, me, doing }: ActionsProps) {
           Hand over
         </Button>
       </div>
-      <Button onClick={() => void doing(() => changeControl({ action: "release" }))}>Release control</Button>
+      <Button onClick={() => void doing(() => changeControl({ action: "release_control" }))}>Release control</Button>
     </>
   );
 }
@@ -54,7 +54,7 @@ function Actions(props: ActionsProps) {
     return (
       <>
         <p>{hold === "free" ? "The first who commands has it, too." : `${control.holder ?? ""} stays in control until you take it.`}</p>
-        <Button variant="filled" onClick={() => void doing(() => changeControl({ action: "take" }))}>
+        <Button variant="filled" onClick={() => void doing(() => changeControl({ action: "take_control" }))}>
           Take control
         </Button>
       </>

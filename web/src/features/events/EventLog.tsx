@@ -3,19 +3,17 @@ import { useRef, useState } from "react";
 import { Panel } from "../../app/Panel";
 import type { MissionEvent } from "../../api/types";
 import { useView } from "../../store/context";
+import { useAccess } from "../access/session";
 import { Icon, SEVERITY_SIGN } from "../../theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./EventLog.module.css";
 
 /** Within this many pixels of its end the log is at its end. */
 const END = 24;
-
-/** The service's name for who asks without a token. */
-const ANYONE = "operator";
-
 function Entry({ event }: { readonly event: MissionEvent }) {
+  const { session } = useAccess();
   // Where nobody signs in, all is by the one operator.
-  const who = event.who && event.who !== ANYONE ? event.who : null;
+  const who = session?.token_needed === true && event.who ? event.who : null;
   return (
     <li className={styles.event} data-severity={event.severity} data-kind={event.kind}>
       <time className={styles.time} dateTime={event.at} title={`tick ${event.tick}, ${event.at}`}>

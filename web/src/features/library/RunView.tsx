@@ -3,6 +3,7 @@ import { ActionIcon, Button, Checkbox, Textarea, TextInput } from "@mantine/core
 import { useMemo, useState, useSyncExternalStore } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { DownloadLink } from "../../app/DownloadLink";
+import { Facts, type Fact } from "../../app/Facts";
 import { Panel } from "../../app/Panel";
 import { go, hashOf } from "../../app/route";
 import { useDoing, type Doing } from "../../app/use-doing";
@@ -53,8 +54,8 @@ function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
   );
 }
 
-function Facts({ run }: { readonly run: Run }) {
-  const facts: readonly (readonly [string, string])[] = [
+function RunFacts({ run }: { readonly run: Run }) {
+  const facts: readonly Fact[] = [
     ["Configuration", `${run.configuration}${run.direct ? ", direct caging" : ""}`],
     ["Impedance m, d, k", Object.values(run.config.control.impedance).map(plain).join(", ")],
     ["Seed", String(run.seed)],
@@ -64,12 +65,7 @@ function Facts({ run }: { readonly run: Run }) {
   ];
   return (
     <dl className={styles.facts}>
-      {facts.map(([name, value]) => (
-        <div key={name}>
-          <dt>{name}</dt>
-          <dd>{value}</dd>
-        </div>
-      ))}
+      <Facts facts={facts} />
       {run.parent !== null && (
         <div>
           <dt>Comes from</dt>
@@ -204,7 +200,7 @@ export function RunView({ recording, compared, missing, onChange }: RunViewProps
           <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
             {run.outcome !== null && <Ending outcome={run.outcome} />}
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
-            <Facts run={run} />
+            <RunFacts run={run} />
           </Panel>
           {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} doing={doing} player={player} />}
           <Notes run={run} doing={doing} player={player} />

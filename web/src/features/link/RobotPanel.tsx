@@ -1,6 +1,7 @@
 /** What the robot does and for whom, and the taring of its wrists. */
 import { Button, Tooltip } from "@mantine/core";
 import { useState } from "react";
+import { Facts, type Fact } from "../../app/Facts";
 import { Panel } from "../../app/Panel";
 import { useDoing } from "../../app/use-doing";
 import { tareWrists } from "../../api/service";
@@ -51,9 +52,9 @@ function Tare({ tared }: { readonly tared: boolean | null }) {
   );
 }
 
-function Facts({ link }: { readonly link: LinkStatus }) {
+function RobotFacts({ link }: { readonly link: LinkStatus }) {
   const { robot, stop } = link;
-  const facts: readonly (readonly [string, string])[] = [
+  const facts: readonly Fact[] = [
     ["Held by", holderOf(link)],
     ["Robot's session", given(link.holder, "—")],
     ["This console's", given(link.session, "—")],
@@ -66,12 +67,7 @@ function Facts({ link }: { readonly link: LinkStatus }) {
   ];
   return (
     <dl className={styles.facts}>
-      {facts.map(([name, value]) => (
-        <div key={name}>
-          <dt>{name}</dt>
-          <dd>{value}</dd>
-        </div>
-      ))}
+      <Facts facts={facts} />
     </dl>
   );
 }
@@ -98,7 +94,7 @@ export function RobotPanel({ link }: { readonly link: LinkStatus }) {
           <Icon sign="error" /> It cannot be flown now: {link.problem}.
         </p>
       )}
-      <Facts link={link} />
+      <RobotFacts link={link} />
       <Tare tared={link.robot?.tared ?? null} />
     </Panel>
   );

@@ -43,6 +43,12 @@ export interface Known {
 
 const JOINT_TOKENS = { 1: "left", 2: "right", 3: "target" } as const;
 
+/** One quantity of both hands, told apart by colour and dash. */
+const ofHands = (left: QuantityName, right: QuantityName): readonly Curve[] => [
+  { quantity: left, label: "Left", token: "left" },
+  { quantity: right, label: "Right", token: "right", dash: [7, 2] },
+];
+
 /** What each joint was told, and what it does. */
 const jointRates = (arm: "left" | "right"): PlotDefinition => ({
   id: `${arm}-joints`,
@@ -63,10 +69,7 @@ const CONTACT: readonly PlotDefinition[] = [
     title: "Tip force, resultant of each hand",
     unit: "N",
     decimals: 3,
-    curves: [
-      { quantity: "leftForce", label: "Left", token: "left" },
-      { quantity: "rightForce", label: "Right", token: "right", dash: [7, 2] },
-    ],
+    curves: ofHands("leftForce", "rightForce"),
     peaks: true,
     least: [0, 0.6],
     levels: ({ config }) => (config ? [{ label: "direct caging", value: config.judging.force_bound }] : []),
@@ -100,10 +103,7 @@ const ROBOT: readonly PlotDefinition[] = [
     title: "Manipulability",
     unit: "m2",
     decimals: 4,
-    curves: [
-      { quantity: "leftManipulability", label: "Left", token: "left" },
-      { quantity: "rightManipulability", label: "Right", token: "right", dash: [7, 2] },
-    ],
+    curves: ofHands("leftManipulability", "rightManipulability"),
     least: [0, 0.05],
     levels: ({ config }) => (config ? [{ label: "warning", value: config.control.rates.manipulability_warning }] : []),
   },
@@ -116,10 +116,7 @@ const TRACKING: readonly PlotDefinition[] = [
     unit: "m",
     as: MILLIMETRES,
     decimals: 2,
-    curves: [
-      { quantity: "leftPositionError", label: "Left", token: "left" },
-      { quantity: "rightPositionError", label: "Right", token: "right", dash: [7, 2] },
-    ],
+    curves: ofHands("leftPositionError", "rightPositionError"),
     least: [0, 1e-3],
     levels: () => [],
   },
@@ -128,10 +125,7 @@ const TRACKING: readonly PlotDefinition[] = [
     title: "Hand angle, desired minus measured",
     unit: "rad",
     decimals: 4,
-    curves: [
-      { quantity: "leftAngleError", label: "Left", token: "left" },
-      { quantity: "rightAngleError", label: "Right", token: "right", dash: [7, 2] },
-    ],
+    curves: ofHands("leftAngleError", "rightAngleError"),
     least: [-0.01, 0.01],
     levels: () => [],
   },

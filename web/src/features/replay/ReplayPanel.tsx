@@ -4,6 +4,7 @@ import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import type { MissionSnapshot } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { clock, fixed, MILLIMETRES_PER_SECOND, shown } from "../../units/units";
+import { Facts, type Fact } from "../../app/Facts";
 import { usePreferences } from "../../app/preferences";
 import { useStopKey } from "../commands/stop-key";
 import { SceneChoices } from "../scene/SceneChoices";
@@ -60,11 +61,11 @@ function useFrames(player: Player): void {
   }, [player]);
 }
 
-function Facts({ snapshot }: { readonly snapshot: MissionSnapshot }) {
+function MomentFacts({ snapshot }: { readonly snapshot: MissionSnapshot }) {
   const { angles } = usePreferences();
   const rate = shown("rad/s", angles);
   const touching = [snapshot.left.in_contact && "left", snapshot.right.in_contact && "right"].filter((side) => side !== false);
-  const facts: readonly (readonly [string, string])[] = [
+  const facts: readonly Fact[] = [
     ["Spin", `${fixed(snapshot.spin * rate.factor, 3)} ${rate.unit}`],
     ["Drift", `${fixed(snapshot.drift * MILLIMETRES_PER_SECOND.factor, 1)} ${MILLIMETRES_PER_SECOND.unit}`],
     ["Contact", touching.length === 0 ? "none" : touching.join(", ")],
@@ -76,12 +77,7 @@ function Facts({ snapshot }: { readonly snapshot: MissionSnapshot }) {
         <dt>{snapshot.phase}</dt>
         <dd title={snapshot.description}>{snapshot.description}</dd>
       </div>
-      {facts.map(([name, value]) => (
-        <div key={name}>
-          <dt>{name}</dt>
-          <dd>{value}</dd>
-        </div>
-      ))}
+      <Facts facts={facts} />
     </dl>
   );
 }
@@ -155,7 +151,7 @@ export function ReplayPanel({ run, end, player }: { readonly run: string; readon
         )}
       </div>
       <Transport player={player} end={end} />
-      {snapshot !== null && <Facts snapshot={snapshot} />}
+      {snapshot !== null && <MomentFacts snapshot={snapshot} />}
     </section>
   );
 }
