@@ -96,7 +96,8 @@ async def history(
 @router.post("/commands", responses=responses(409, 422, 504))
 async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) -> CommandAnswer:
     """Ask something of the mission; the answer says what the mission thread did."""
-    services.loop.control.require(asker)  # also decided there; a fork is flown again before it is asked for
+    if body.command == "fork":
+        services.loop.control.require(asker)  # before it is flown again; the mission thread decides and logs all others
     ticks = body.ticks or 1
     fork = None if body.tick is None else await asyncio.to_thread(_forked, services, body.run, body.tick)
     request = Request(
