@@ -16,11 +16,12 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.api.problem_json import document_of
 from server.api.runs import RunId
+from server.api.scene import SceneChange
 from server.api.services import Services, ServicesDep
 from server.feed import snapshot_text
 from server.playbacks import Screening
 from server.problems import ServiceBusy
-from server.scene import CAMERAS, CameraName
+from server.scene import CAMERAS
 from sim.errors import CaptureError, MissionRefused
 
 TRY_AGAIN_LATER, POLICY = 1013, 1008
@@ -40,14 +41,15 @@ class Show(BaseModel):
     time: float = Field(ge=0, allow_inf_nan=False, description="Mission time [s]")
 
 
-class Arrange(BaseModel):
+class Arrange(SceneChange):
     """Look at the scene in another way."""
 
-    model_config = ConfigDict(extra="forbid")
-
     type: Literal["arrange"]
-    camera: CameraName | None = None
-    layers: dict[str, bool] = Field(default_factory=dict)
+
+    def then(self, later: Arrange) -> Arrange:
+        """Both in one, the later one's choices before this one's."""
+        camera = self.camera if later.camera is None else later.camera
+        return Arrange(type="arrange", camera=camera, layers={**self.layers, **later.layers})
 
 
 Message = Show | Arrange
@@ -101,7 +103,7 @@ class _Room:
         self._websocket = websocket
         self._screening = screening
         self._wanted: Show | None = None
-        self._arrangements: list[Arrange] = []
+        self._arrangement: Arrange | None = None
         self._news = asyncio.Event()
 
     async def serve(self) -> None:
@@ -122,7 +124,7 @@ class _Room:
             if isinstance(message, Show):
                 self._wanted = message
             elif message is not None:
-                self._arrangements.append(message)
+                self._arrangement = message if self._arrangement is None else self._arrangement.then(message)
             self._news.set()
 
     async def _understood(self, received: Any) -> Message | None:
@@ -138,18 +140,12 @@ class _Room:
         while True:
             await self._news.wait()
             self._news.clear()
-            arrangements, self._arrangements = self._arrangements, []
-            for each in arrangements:
-                await self._arrange(each)
+            arrangement, self._arrangement = self._arrangement, None
+            if arrangement is not None:
+                await asyncio.to_thread(self._screening.scene.arrange, arrangement.camera, arrangement.layers)
             wanted, self._wanted = self._wanted, None
             if wanted is not None:
                 await self._show(wanted.time)
-
-    async def _arrange(self, message: Arrange) -> None:
-        try:
-            await asyncio.to_thread(self._screening.scene.arrange, message.camera, message.layers)
-        except ValueError as error:
-            await self._websocket.send_text(json.dumps({"type": "invalid", "detail": str(error)}))
 
     async def _show(self, time: float) -> None:
         try:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import asyncio
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from server.api.problem_json import responses
 from server.api.services import ServicesDep
-from server.scene import CAMERAS, CameraName, Scene
-from sim.errors import ConfigError
+from server.scene import CAMERAS, LAYERS, CameraName, Scene
 
 router = APIRouter(prefix="/scene", tags=["mission"])
 
@@ -31,6 +30,14 @@ class SceneChange(BaseModel):
     camera: CameraName | None = None
     layers: dict[str, bool] = Field(default_factory=dict, examples=[{"trails": False, "frames": True}])
 
+    @field_validator("layers")
+    @classmethod
+    def _layers_are_known(cls, layers: dict[str, bool]) -> dict[str, bool]:
+        unknown = sorted(set(layers) - set(LAYERS))
+        if unknown:
+            raise ValueError(f"{unknown[0]!r} is no layer; there are {', '.join(LAYERS)}")
+        return layers
+
 
 @router.get("")
 async def scene(services: ServicesDep) -> SceneView:
@@ -41,10 +48,7 @@ async def scene(services: ServicesDep) -> SceneView:
 @router.patch("", responses=responses(422))
 async def change_scene(services: ServicesDep, body: SceneChange) -> SceneView:
     """Take all browsers to a camera, and show or hide layers."""
-    try:
-        await asyncio.to_thread(services.scene.arrange, body.camera, body.layers)
-    except ValueError as error:
-        raise ConfigError(f"layers: {error}", tip="GET /api/v1/scene lists them") from None
+    await asyncio.to_thread(services.scene.arrange, body.camera, body.layers)
     return _view(services.scene)
 
 

@@ -27,6 +27,7 @@ _BLOCKS_KEPT = 8
 """Blocks of ticks that stay in memory; about 0.3 MB each."""
 
 _HALF = 0.5
+"""Of a period: recorded times lie within it of tick times period."""
 
 ReadTicks = Callable[[float, float], Iterator[Ticks]]
 """The recorded ticks from one mission time to another, both included [s]."""
@@ -62,7 +63,7 @@ class Playback:
         return self._follower.mission.config
 
     def at(self, time: float) -> Snapshot:
-        """The last recorded tick until that mission time [s], as it was published; the start before the first.
+        """The recorded tick nearest to that mission time [s], or the last before it; the start before the first.
 
         Raises:
             MissionRefused: today's phases do not allow a command that was granted then.
