@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 import time
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
@@ -166,6 +167,15 @@ def mend_log(path: Path) -> Scanned:
 def write_record(folder: Path, record: RunRecord) -> None:
     """Replace the record as a whole: after a crash there is the old one or the new one."""
     _replace(folder / RECORD_NAME, record)
+
+
+def _size(path: Path) -> int:
+    """Of a file [bytes]; 0 for one that is gone, and for a folder."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return 0
+    return found.st_size if stat.S_ISREG(found.st_mode) else 0
 
 
 def read_remarks(folder: Path) -> Remarks:
@@ -345,8 +355,11 @@ class RunReader:
 
     @property
     def size(self) -> int:
-        """Bytes on disk."""
-        return sum(path.stat().st_size for path in self._folder.iterdir() if path.is_file())
+        """Bytes on disk. What goes while it is looked at, as drafts and claims do, is nothing."""
+        try:
+            return sum(_size(path) for path in self._folder.iterdir())
+        except FileNotFoundError:  # the whole run is being removed
+            return 0
 
     def chunks(self, since: float | None = None, until: float | None = None) -> Iterator[TickArray]:
         """The ticks that are on disk now, oldest first, a chunk at once, from one mission time to another [s]."""

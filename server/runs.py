@@ -107,15 +107,11 @@ class RunStore:
         """
         folder = self._folder(run_id)
         try:
-            record = read_record(folder)
-        except FileNotFoundError:
+            record = _current_record(folder)
+            if record.integrity is None and record.status != "queued" and not is_claimed(folder / CLAIM_NAME):
+                record = _recovered(folder)
+        except FileNotFoundError:  # perhaps removed at this very moment
             raise _not_found(run_id) from None
-        except ValidationError:
-            if not upgraded(folder):
-                raise
-            record = read_record(folder)
-        if record.integrity is None and record.status != "queued" and not is_claimed(folder / CLAIM_NAME):
-            record = _recovered(folder)
         return record
 
     def newest(self) -> Iterator[RunReader]:
@@ -181,6 +177,16 @@ class RunStore:
         if not RUN_ID.fullmatch(run_id) or not folder.is_dir():
             raise _not_found(run_id)
         return folder
+
+
+def _current_record(folder: Path) -> RunRecord:
+    """The record in that folder, brought to today's format."""
+    try:
+        return read_record(folder)
+    except ValidationError:
+        if not upgraded(folder):
+            raise
+    return read_record(folder)
 
 
 def _not_found(run_id: str) -> RunNotFound:

@@ -47,9 +47,16 @@ def _claimed(path: Path) -> int:
         except OSError:
             os.close(descriptor)
             raise BlockingIOError(f"{path} is claimed by another process") from None
-        if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
+        if _stands_under(path, descriptor):
             return descriptor
         os.close(descriptor)
+
+
+def _stands_under(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
 
 
 def is_claimed(path: Path) -> bool:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import threading
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from server.run_folder import LoggedEvent, read_record
+from server.files import replace_file
+from server.run_folder import CLAIM_NAME, LoggedEvent, read_record
 from server.run_index import RunIndex
 from server.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
@@ -180,5 +184,39 @@ def test_a_run_that_was_never_written_can_be_discarded(store):
     """A full disk: the folder could not be made, and the reset that the operator is advised to must go through."""
     record = _record()
     store.discard(record.id)
+    with pytest.raises(RunNotFound):
+        store.record(record.id)
+
+
+def test_a_run_is_read_while_its_files_come_and_go(store):
+    """Drafts of what is replaced, and the claim of who writes it, vanish between two looks at the folder."""
+    record = _record()
+    store.write(record).close(status="finished")
+    folder = store.root / record.id
+    done = threading.Event()
+
+    def churn():
+        while not done.is_set():
+            replace_file(folder / "remarks.json", b"{}")
+            with suppress(BlockingIOError):  # whoever looks at a claim holds it for that moment
+                Claim(folder / CLAIM_NAME).release(remove=True)
+
+    churning = threading.Thread(target=churn)
+    churning.start()
+    try:
+        for _ in range(1500):
+            assert store.read(record.id).size > 0
+            is_claimed(folder / CLAIM_NAME)
+    finally:
+        done.set()
+        churning.join()
+
+
+def test_a_run_that_goes_while_it_is_read_is_not_found(store):
+    record = _record()
+    store.write(record).close(status="finished")
+    reader = store.read(record.id)
+    store.discard(record.id)
+    assert reader.size == 0
     with pytest.raises(RunNotFound):
         store.record(record.id)
