@@ -81,7 +81,7 @@ Examples:
 
 \b
 Faults: delay, jitter [s], loss, sensor_freeze (joints, left_wrist, right_wrist, base, target), joint_stuck,
-hang [s], restart [s away]; from the start, or from @SECONDS after it.
+mute (a message: robot/mode, base/pose ...), hang [s], restart [s away]; from the start, or from @SECONDS after it.
 """
 
 REPLAY_EXAMPLES = """\b

@@ -12,10 +12,24 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.link.contract import Channel
+from server.link.contract import PREFIX, Channel
 
 Joint = Literal["left_joint_1", "left_joint_2", "left_joint_3", "right_joint_1", "right_joint_2", "right_joint_3"]
 Sensor = Literal["joints", "left_wrist", "right_wrist", "base", "target"]
+
+Message = Literal[
+    "joint_states",
+    "left_wrist/wrench",
+    "right_wrist/wrench",
+    "base/pose",
+    "base/twist",
+    "target/pose",
+    "target/twist",
+    "robot/mode",
+    "robot/acknowledgement",
+    "robot/heartbeat",
+]
+"""What a robot sends, by its key without the prefix."""
 
 MOST_WAITING = 10_000
 """Delayed messages that are kept; what comes beyond them is lost."""
@@ -31,6 +45,7 @@ class Faults(BaseModel):
     loss: float = Field(0.0, ge=0, le=1, allow_inf_nan=False, description="Part of what the robot sends that is lost")
     sensor_freeze: Sensor | None = Field(None, description="A sensor that repeats its last reading with new stamps")
     joint_stuck: Joint | None = Field(None, description="A joint that does not move")
+    mute: Message | None = Field(None, description="A message that is sent no more, by its key without the prefix")
 
 
 class Outbox:
@@ -50,6 +65,8 @@ class Outbox:
     def send(self, channel: Channel, payload: bytes, delay: float = 0.0) -> None:
         """Send a message after this delay [s] and what the faults add to it, or lose it."""
         faults = self.faults
+        if faults.mute is not None and channel.key == f"{PREFIX}/{faults.mute}":
+            return
         if faults.loss and self._random.random() < faults.loss:
             return
         delay += faults.delay + (self._random.uniform(0.0, faults.jitter) if faults.jitter else 0.0)

@@ -45,6 +45,9 @@ SETTLING_TIME = 1.5
 STEADY_SPAN = 1.0
 """How long the robot must have been heard without a gap before a mission begins [s]."""
 
+MODE_DEADLINE = 2.0 / contract.MODE_RATE
+"""How much later than a stream the robot's mode may be: it is told less often, and of the lowest priority [s]."""
+
 NEEDED = (contract.JOINT_STATES, *contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
 """Streams without which no mission flies. Twists are watched only: velocities are estimated here."""
 NOISY = (*contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
@@ -216,8 +219,8 @@ class RobotLink:
 
     def command(self, stamp: int, rate: FloatArray) -> None:
         """Send joint rates that answer the joint state of that stamp, and a heartbeat."""
-        self.heartbeat()
         self._send(contract.JOINT_COMMAND, wire.encode_command(JointCommand(stamp, self.session, rate)))
+        self.heartbeat()  # with which the command is sent
 
     def heartbeat(self) -> None:
         """Tell the robot that its session's mission thread is alive."""
@@ -259,7 +262,7 @@ class RobotLink:
                 return f"{name_of(channel)} late: none for {1e3 * age:.0f} ms"
             if channel in NOISY and self.settings.detect_freeze and stream.unchanged_for > deadline:
                 return f"{name_of(channel)} frozen: the same for {1e3 * stream.unchanged_for:.0f} ms"
-        return self._jump()
+        return self._silent(now) or self._jump()
 
     def staleness(self, stamp: int) -> float:
         """How long ago the robot measured what has that stamp, by both clocks [s]; 0 before the offset is known."""
@@ -302,6 +305,17 @@ class RobotLink:
         joints = self.streams[contract.JOINT_STATES.key]
         steady = joints.steady(now, STEADY_SPAN, 0.5 * self.settings.deadline)
         return steady and self._perception.complete and self.other_clock.offset is not None
+
+    def _silent(self, now: float) -> str | None:
+        """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""
+        deadline = self.settings.deadline
+        mode = now - self.reports.at
+        if self.reports.latest is not None and mode > deadline + MODE_DEADLINE:
+            return f"{name_of(contract.MODE)} late: none for {1e3 * mode:.0f} ms"
+        back = self.other_clock.age(now)
+        if back is not None and back > deadline + PING_PERIOD:
+            return f"{name_of(contract.HEARTBEAT_ECHO)} late: none for {1e3 * back:.0f} ms"
+        return None
 
     def _jump(self) -> str | None:
         deadline = self.settings.deadline * 1e9

@@ -156,6 +156,10 @@ class OtherClock:
         quickest = self._quickest
         return quickest[0].offset if quickest else None
 
+    def age(self, now: float) -> float | None:
+        """Since the last heartbeat came back [s]; None before the first."""
+        return max(0.0, now - self._trips[-1].at) if self._trips else None
+
     def trips(self, since: float) -> list[Trip]:
         """Round trips after that instant of `time.monotonic` [s]."""
         return [trip for trip in list(self._trips) if trip.at > since]

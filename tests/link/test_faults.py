@@ -16,6 +16,7 @@ import pytest
 
 from server.link import contract, wire
 from server.link.contract import RobotMode
+from server.link.robot_link import MODE_DEADLINE, PING_PERIOD
 from sim.capture.mission import Mission
 from sim.control.phases import Phase
 
@@ -176,6 +177,28 @@ def test_a_sensor_that_freezes(robot, fly, sensor, words, gaps):
     robot.suffer(sensor_freeze=sensor)
     flight.notice_within(SHORT)
     _assert_in_time(_assert_held(robot, flight, words), SHORT, gaps(), 1 / contract.MOTION_CAPTURE_RATE)
+
+
+@keeping_up
+@pytest.mark.parametrize(
+    ("key", "later"),
+    [
+        ("joint_states", 0.0),
+        ("left_wrist/wrench", 0.0),
+        ("base/pose", 0.0),
+        ("target/pose", 0.0),
+        ("robot/mode", MODE_DEADLINE),
+        ("robot/heartbeat", PING_PERIOD),
+    ],
+)
+def test_one_message_that_comes_no_more_among_all_others(robot, fly, key, later, gaps):
+    flight = fly()
+    flight.capture()
+    flight.notice_within(SHORT)
+    robot.suffer(mute=key)
+    name = key.replace("/", " ").replace("_", " ")
+    message = _assert_held(robot, flight, f"{name} late: none for")
+    _assert_in_time(message, SHORT + later, gaps(), 1 / contract.MOTION_CAPTURE_RATE)
 
 
 @keeping_up
