@@ -39,11 +39,11 @@ class Urgency(StrEnum):
     """Quality of service. Nothing is ever queued for a receiver that does not keep up: what is late is dropped."""
 
     STOP = "stop"
-    """zenoh's highest priority, sent without batching, and again until it is acknowledged."""
+    """zenoh's highest priority, sent again until it is acknowledged."""
     CONTROL = "control"
-    """The next priority, sent without batching."""
+    """The next priority."""
     STREAM = "stream"
-    """High, sent without batching."""
+    """High."""
     REPORT = "report"
     """Normal."""
 
@@ -62,20 +62,28 @@ class Channel(NamedTuple):
     urgency: Urgency
     content: str
     """With units."""
+    express: bool
+    """Whether it is sent at once, in one batch with what its sender published before it. The last message of a control
+    period is, and so are those that come alone; the others of a period go with the last."""
 
 
-def _stream(key: str, message: str, rate: float, frame: str, content: str) -> Channel:
-    return Channel(f"{PREFIX}/{key}", f"{message}", Sender.ROBOT, rate, frame, Urgency.STREAM, content)
+def _stream(key: str, message: str, rate: float, frame: str, content: str, *, express: bool = False) -> Channel:
+    return Channel(f"{PREFIX}/{key}", message, Sender.ROBOT, rate, frame, Urgency.STREAM, content, express)
 
 
 def _request(key: str, urgency: Urgency, content: str) -> Channel:
-    return Channel(f"{PREFIX}/{key}", "std_msgs/msg/Header", Sender.CONSOLE, None, "(session)", urgency, content)
+    return Channel(f"{PREFIX}/{key}", "std_msgs/msg/Header", Sender.CONSOLE, None, "(session)", urgency, content, True)
 
 
 _POSE, _TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
 
 JOINT_STATES = _stream(
-    "joint_states", "sensor_msgs/msg/JointState", CONTROL_RATE, "", "joint angles [rad], rates [rad/s]; effort unused"
+    "joint_states",
+    "sensor_msgs/msg/JointState",
+    CONTROL_RATE,
+    "",
+    "joint angles [rad], rates [rad/s]; effort unused",
+    express=True,
 )
 WRENCHES = tuple(
     _stream(
@@ -100,6 +108,7 @@ MODE = Channel(
     "",
     Urgency.REPORT,
     "one status: `message` is the mode; values: contract, session, why, refusals and command ages",
+    express=False,
 )
 ACKNOWLEDGEMENT = Channel(
     f"{PREFIX}/robot/acknowledgement",
@@ -109,6 +118,7 @@ ACKNOWLEDGEMENT = Channel(
     "",
     Urgency.CONTROL,
     "one status: `name` is the request, level OK or WARN, `message` why not; values: session, stamp of the request",
+    express=True,
 )
 HEARTBEAT_ECHO = Channel(
     f"{PREFIX}/robot/heartbeat",
@@ -118,6 +128,7 @@ HEARTBEAT_ECHO = Channel(
     "",
     Urgency.CONTROL,
     "header.stamp: when the robot received a heartbeat; time_ref: that heartbeat's stamp; source: its session",
+    express=True,
 )
 
 JOINT_COMMAND = Channel(
@@ -128,6 +139,7 @@ JOINT_COMMAND = Channel(
     "(session)",
     Urgency.CONTROL,
     "joint rates [rad/s] in `velocity`; header.stamp: that of the joint state which it answers (robot's clock)",
+    express=False,
 )
 HEARTBEAT = Channel(
     f"{PREFIX}/heartbeat",
@@ -137,6 +149,7 @@ HEARTBEAT = Channel(
     "(session)",
     Urgency.CONTROL,
     "stamp: console's clock",
+    express=True,
 )
 STOP = _request("stop", Urgency.STOP, "joint rates zero at once, whoever asks; ended only by a new session")
 OPEN = _request("session/open", Urgency.CONTROL, "take the robot, if nobody else holds it")

@@ -20,9 +20,9 @@ from server.link.contract import Channel, Urgency
 from sim.errors import ConfigError
 
 Endpoint = Annotated[str, Field(pattern=r"^(tcp|tls|quic)/\S+:\d+$", description="tcp/HOST:PORT or tls/HOST:PORT")]
-QUEUED = {"data_high": 16, "interactive_high": 4, "data": 4}
-"""Batches that may wait for a receiver that is held up for a moment; what does not fit is dropped. What waited is
-judged by its stamp."""
+QUEUED = {"data_high": 16, "interactive_high": 16, "data": 4}
+"""Batches that may wait while zenoh's sending thread or the receiver is held up for a moment, a batch or two a control
+period: for about as long as a deadline. What does not fit is dropped; what waited is judged by its stamp."""
 LEASE = 1000
 """After which zenoh gives up a silent transport [ms]."""
 
@@ -85,7 +85,7 @@ class LinkSession:
                 channel.key,
                 congestion_control=zenoh.CongestionControl.DROP,
                 priority=_PRIORITY[channel.urgency],
-                express=channel.urgency is not Urgency.REPORT,
+                express=channel.express,
                 encoding=zenoh.Encoding.APPLICATION_CDR,
             )
         publisher.put(payload)

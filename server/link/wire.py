@@ -236,7 +236,8 @@ def described(channel: Channel) -> str:
     """The channel's row in docs/link.md."""
     rate = "when it happens" if channel.rate is None else f"{channel.rate:g} Hz"
     frame = f"`{channel.frame}`" if channel.frame else "none"
-    cells = (f"`{channel.key}`", f"`{channel.message}`", rate, channel.content, frame, channel.sender, channel.urgency)
+    service = f"{channel.urgency}, express" if channel.express else channel.urgency
+    cells = (f"`{channel.key}`", f"`{channel.message}`", rate, channel.content, frame, channel.sender, service)
     return f"| {' | '.join(cells)} |"
 
 
