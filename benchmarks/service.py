@@ -67,9 +67,9 @@ class Running(NamedTuple):
 
 
 @contextmanager
-def service(folder: Path) -> Iterator[Running]:
-    """One that is ready to fly."""
-    command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open"]
+def service(folder: Path, *options: str) -> Iterator[Running]:
+    """One that is ready to fly, of these options of `becalm serve`."""
+    command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open", *options]
     environment = {**os.environ, "BECALM_DATA_DIR": str(folder), "PYTHONUNBUFFERED": "1"}
     began = time.perf_counter()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
