@@ -65,7 +65,12 @@ def link(robot: Robot, transport: Transport) -> Iterator[RobotLink]:
 
 @pytest.fixture
 def fly(robot: Robot, link: RobotLink) -> Iterator[Callable[[], Flight]]:
-    """Takes the robot, without faults, for a new mission; the flight ends with the next one or the test."""
+    """Takes the robot, without faults, for a new mission; the flight ends with the next one or the test.
+
+    The robot is begun anew for a test whose forerunners have brought the target to rest or out of reach.
+    """
+    if not robot.may_be_captured():
+        robot.restart()
     flights: list[Flight] = []
 
     def end() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import math
 import os
 import re
 import signal
@@ -40,6 +41,8 @@ STALLED = r"late: none for|late: what arrives is|jumped by \d+ ms|the robot is h
 """What either end says of a machine that stood still for longer than the deadline."""
 CONFIG = named_configuration("testbed")
 POLL = 0.01
+REACHED = 0.02
+"""How far a target may have drifted and be captured as at the start [m]."""
 MOVING = 0.05
 """A joint that is this quick moves [rad/s]."""
 
@@ -202,6 +205,12 @@ class Robot:
         boots = self.status["boots"]
         self.process.http.post("/restart", json={"pause": pause, "seed": seed}).raise_for_status()
         until(lambda: self.status["boots"] > boots, "the robot is back")
+
+    def may_be_captured(self) -> bool:
+        """Whether the target is nearly as it was at the start: a capture of it soon moves the arms."""
+        target, status = CONFIG.target, self.status
+        moved = math.dist(status["target_pose"][:2], (target.initial_x, target.initial_y))
+        return moved < REACHED and abs(status["target_twist"][2] - target.initial_spin) < 0.1 * target.initial_spin
 
     def at_rest(self) -> bool:
         return all(abs(rate) < 1e-3 for arm in self.status["joint_rate"] for rate in arm)
