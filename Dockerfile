@@ -33,9 +33,11 @@ RUN --mount=type=secret,id=ca --mount=type=secret,id=pip \
     --constraint /src/requirements.lock --requirement /src/requirements.txt
 COPY --from=wheel /wheels /wheels
 # Whole seconds, the same for all files: layers keep no more, and numba and Python know compiled code by these times.
-# Some packages carry sources for other versions of Python, which do not compile; all that can is.
+# Some packages carry sources for other versions of Python, which do not compile; all that can is. Their own tests, a
+# tenth of it all, nobody runs here.
 RUN /opt/becalm/bin/pip install --quiet --no-compile --no-deps --no-index /wheels/*.whl \
     && /opt/becalm/bin/pip uninstall --quiet --yes pip setuptools \
+    && find /opt/becalm/lib -type d -name tests -prune -exec rm -rf {} + \
     && find /opt/becalm -exec touch --no-dereference --date=@1700000000 {} + \
     && { /opt/becalm/bin/python -m compileall -q -j 0 /opt/becalm/lib > /dev/null || true; }
 # The simulation, compiled for the processor that builds; on another one the first start compiles it anew.

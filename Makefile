@@ -14,7 +14,7 @@ NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modul
 # Every command imports a lot, and reading it from source takes three times as long.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help run test check web-check lint types contracts compiled client docs bench lock clean
+.PHONY: help run test check web-check lint types contracts compiled client docs image-test bench lock clean
 
 help: ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -53,6 +53,10 @@ client: .venv/dev.stamp ## write web/openapi.json anew from the service; the bui
 
 docs: .venv/dev.stamp ## build the documentation into site/, strictly
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+
+image-test: .venv/dev.stamp ## on a machine with docker: build the image and test the whole system in containers; BUILD has options of the build
+	docker build --tag becalm:test $(BUILD) .
+	BECALM_TEST_TAG=test $(BIN)/python -m pytest tests/deploy/test_engine.py
 
 bench: .venv/dev.stamp ## measure everything; takes ten minutes, wants a quiet machine
 	-$(BIN)/python -m benchmarks.simulation

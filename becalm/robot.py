@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
 import signal
 import sys
 import threading
@@ -102,6 +103,10 @@ def run_robot(
     with _rest(emulator, rest_port) as port, _timed(emulator, faults):
         _announce_when_ready(emulator, settings, port)
         emulator.run()
+    if emulator.left_open:  # zenoh would wait for it once more at the exit of the process
+        logging.shutdown()
+        sys.stdout.flush()
+        os._exit(0)
 
 
 def _announce_when_ready(emulator: RobotEmulator, settings: RobotSettings, port: int) -> None:

@@ -16,7 +16,7 @@ from sim.errors import ConfigError
 
 PROCESS, PUNCTUAL = 1, 2
 """Priorities, the lowest there are: after what the system itself does in real time."""
-_TIP = "let this user have it (limits.conf: rtprio 2; systemd: LimitRTPRIO=2; a container: CAP_SYS_NICE), or leave it"
+_TIP = "let this user have it (limits.conf or ulimits of a container: rtprio 2; systemd: LimitRTPRIO=2), or leave it"
 
 
 def schedule_realtime() -> None:

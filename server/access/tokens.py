@@ -8,6 +8,7 @@ service knows a new or a revoked token with the next request.
 from __future__ import annotations
 
 import hashlib
+import os
 import secrets
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -161,7 +162,8 @@ def _secret_in(path: Path) -> str:
     try:
         secret = path.read_text().strip()
     except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"admin_token_file = '{path}' cannot be read: {error}") from None
+        tip = f"the service's user, {os.getuid()}, must be able to read it"
+        raise ConfigError(f"admin_token_file = '{path}' cannot be read: {error}", tip=tip) from None
     if len(secret) < SHORTEST_SECRET:
         what = f"admin_token_file = '{path}' holds {len(secret)} characters; a token has {SHORTEST_SECRET} or more"
         raise ConfigError(what, tip="write one with: python -c 'import secrets; print(secrets.token_urlsafe(32))'")

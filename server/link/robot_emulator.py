@@ -94,6 +94,8 @@ class RobotEmulator:
         self._seed = settings.seed
         self._robot: _Robot | None = None
         self.ready = threading.Event()
+        self.left_open = False
+        """Whether the link did not close when the robot last ended."""
 
     @punctual()
     def run(self) -> None:
@@ -111,7 +113,7 @@ class RobotEmulator:
             try:
                 robot.run(self._stays)
             finally:
-                robot.close()
+                self.left_open = not robot.close()
             if self._restart is not None:
                 pause, self._seed = self._restart
                 self._restart = None
@@ -201,10 +203,10 @@ class _Robot:
             self._late.append(max(late, time.monotonic() - due))
             self._turn(self._clock.at(due), time.monotonic())
 
-    def close(self) -> None:
-        """Leave the link."""
+    def close(self) -> bool:
+        """Leave the link; whether it closed in time."""
         self.outbox.close()
-        self._session.close()
+        return self._session.close()
 
     def hang(self, duration: float) -> None:
         """Neither listen nor speak for that long [s]."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,6 +26,8 @@ QUEUED = {"data_high": 16, "interactive_high": 16, "data": 4}
 period: for about as long as a deadline. What does not fit is dropped; what waited is judged by its stamp."""
 LEASE = 1000
 """After which zenoh gives up a silent transport [ms]."""
+CLOSING_TIME = 2.0
+"""What an end waits for its session to close [s]: a host name that nobody answers for any more holds zenoh for ten."""
 
 _PRIORITY = {
     Urgency.STOP: zenoh.Priority.REAL_TIME,
@@ -106,9 +109,15 @@ class LinkSession:
         """Whether any other end is there."""
         return bool(self._session.info.peers_zid() or self._session.info.routers_zid())
 
-    def close(self) -> None:
-        """End it; nothing is sent or taken afterwards."""
-        self._session.close()  # type: ignore[no-untyped-call]
+    def close(self) -> bool:
+        """End it; False if it is left to the system after `CLOSING_TIME`. Nothing is sent or taken afterwards."""
+        closing = threading.Thread(target=self._session.close, name="link-closing", daemon=True)
+        closing.start()
+        closing.join(CLOSING_TIME)
+        if closing.is_alive():
+            log.warning("the link did not close within %.0f s and is left to the system", CLOSING_TIME)
+            return False
+        return True
 
 
 _TIP = "endpoints are written tcp/HOST:PORT or tls/HOST:PORT; docs/link.md shows TLS, users and passwords"

@@ -87,6 +87,22 @@ def test_every_service_is_confined(name):
     assert "privileged" not in service
 
 
+def test_the_image_is_built_once_and_never_looked_for_in_a_registry():
+    """Each service that builds it makes an image of a gigabyte of its own, of which all but the last have no name."""
+    assert {name for name, service in SERVICES.items() if "build" in service} == set(CONSOLES)
+    assert {service["image"] for service in SERVICES.values()} == {"becalm:latest"}
+    assert {service["pull_policy"] for service in SERVICES.values()} == {"never"}
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_what_flies_comes_first_and_is_not_stopped_by_a_quota(name):
+    """A quota that is used up stops a container for the rest of 100 ms, and a health check uses up half a core's."""
+    service = SERVICES[name]
+    flies = name in (*CONSOLES, "router", "robot")
+    assert float(service["cpus"]) >= 1
+    assert service["cpu_shares"] > 1024 if flies else service["cpu_shares"] < 1024
+
+
 def test_ports_are_on_loopback_unless_a_setting_says_otherwise():
     ports = [port for service in SERVICES.values() for port in service.get("ports", [])]
     assert sorted(ports) == ["127.0.0.1:8000:8000", "127.0.0.1:8001:8000"]
