@@ -21,7 +21,7 @@ from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings
 from server.link.robot_rest import create_robot_app
-from server.realtime import schedule_realtime
+from server.realtime import schedule_realtime, switch_promptly
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
 
@@ -94,6 +94,7 @@ def run_robot(
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(message)s")
     logging.getLogger("httpx").setLevel(logging.WARNING)
+    switch_promptly()
     if realtime:
         schedule_realtime()
     prepare()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
@@ -48,6 +47,7 @@ from server.loop import MissionLoop
 from server.playbacks import Playbacks
 from server.presets import PresetStore
 from server.projector import Projector
+from server.realtime import switch_promptly
 from server.recorder import Recorder
 from server.retention import keep_removing
 from server.run_index import RunIndex
@@ -60,9 +60,6 @@ from server.study_queue import StudyQueue
 from server.versions import becalm_version
 from sim.errors import ConfigError
 from sim.study.executors import Workers, local_workers
-
-SWITCH_INTERVAL = 5e-4
-"""Longest time that another thread keeps Python from the mission thread [s]; Python's own default is 5 ms."""
 
 STUDY_NICENESS = 10
 """Of the processes that fly studies on this machine: the live mission's clock comes first."""
@@ -173,7 +170,7 @@ def _access(settings: Settings) -> Access:
 def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        sys.setswitchinterval(SWITCH_INTERVAL)
+        switch_promptly()
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
         services.disk.look()

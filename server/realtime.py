@@ -1,8 +1,8 @@
-"""Real-time scheduling of a process, where its user may have it, in two levels.
+"""How soon a thread runs that is due: within its process, and before other processes.
 
-All threads of it are before other processes: those that need no punctuality hold locks, the interpreter's above all,
-that the punctual ones wait for. The punctual ones are before the rest, whose work may take longer than a control
-period.
+Real-time scheduling, where a user may have it, has two levels. All threads of a process are before other processes:
+those that need no punctuality hold locks, the interpreter's above all, that the punctual ones wait for. The punctual
+ones are before the rest, whose work may take longer than a control period.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from sim.errors import ConfigError
 
 PROCESS, PUNCTUAL = 1, 2
 """Priorities, the lowest there are: after what the system itself does in real time."""
+SWITCH_INTERVAL = 5e-4
+"""Longest time that another thread keeps Python from one that is due [s]; Python's own default is 5 ms."""
 _TIP = "let this user have it (limits.conf or ulimits of a container: rtprio 2; systemd: LimitRTPRIO=2), or leave it"
 
 
@@ -33,6 +35,11 @@ def schedule_realtime() -> None:
         _schedule(PROCESS)
     except PermissionError:
         raise ConfigError("realtime = true: this user may not have real-time scheduling", tip=_TIP) from None
+
+
+def switch_promptly() -> None:
+    """Let threads of this process have Python soon after they ask for it."""
+    sys.setswitchinterval(SWITCH_INTERVAL)
 
 
 @contextmanager
