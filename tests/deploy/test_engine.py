@@ -87,7 +87,10 @@ def test_a_container_is_confined(project, service):
     limits = project.inspected(service)["HostConfig"]
     assert limits["Memory"] > 0
     assert limits["PidsLimit"] == 512
-    looks = "for each in / /opt/becalm /etc /tmp /data; do touch $each/written 2> /dev/null && echo $each; done; true"
+    looks = (
+        "for each in / /opt/python /opt/becalm /etc /tmp /data; do"
+        " touch $each/written 2> /dev/null && echo $each; done; true"
+    )
     assert project.inside(service, "sh", "-c", looks).split() == ["/tmp", "/data"]
 
 

@@ -13,6 +13,7 @@ import shutil
 import signal
 import subprocess
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -32,8 +33,12 @@ builds = pytest.mark.skipif(
 )
 
 
+def _stages() -> list[str]:
+    return DOCKERFILE.split("\nFROM ")[1:]
+
+
 def _last_stage() -> str:
-    return DOCKERFILE.split("\nFROM ")[-1]
+    return _stages()[-1]
 
 
 def test_the_last_stage_runs_as_nobody_special_and_compiles_nothing():
@@ -45,10 +50,22 @@ def test_the_last_stage_runs_as_nobody_special_and_compiles_nothing():
 
 
 def test_nothing_is_fetched_but_by_the_lock():
-    installs = re.findall(r"pip (?:install|wheel)[^&]*?(?=\n[A-Z#]|&&)", DOCKERFILE, re.S)
+    installs = re.findall(r"pip (?:--python \S+ )?(?:install|wheel)[^&]*?(?=\n[A-Z#]|&&)", DOCKERFILE, re.S)
     assert len(installs) == 3
     for install in installs:
         assert "--no-deps" in install or "--constraint /src/requirements.lock" in install
+
+
+def test_no_change_of_the_sources_sends_the_dependencies_anew():
+    """Their layer comes before Becalm's, from stages that see nothing else of this tree."""
+    layers = re.findall(r"^COPY --from=(\w+) (\S+)", _last_stage(), re.M)
+    assert layers[:2] == [("dependencies", "/opt/python"), ("installed", "/opt/becalm")]
+    stages = {stage.split()[2]: stage for stage in _stages()[:-1]}
+    assert stages["dependencies"].startswith("tools ")
+    copied = re.findall(r"^COPY (.*) \S+$", stages["tools"] + stages["dependencies"], re.M)
+    assert {word for line in copied for word in line.split()} == {
+        "requirements.lock", "pyproject.toml", "deploy/container/requirements.py", "deploy/container/with-secrets"
+    }  # fmt: skip
 
 
 def test_every_file_that_is_copied_reaches_the_builder():
@@ -103,6 +120,15 @@ def test_the_image_holds_no_compiler_node_or_root(container):
     assert found.stdout.split() == ["10001"]
     health = json.loads(_buildah("inspect", "--format", "{{json .Docker.Config.Healthcheck}}", container))
     assert health["Test"] == ["CMD", "healthy", "console"]
+
+
+@builds
+def test_becalm_and_its_commands_are_found_beside_their_dependencies(container):
+    looks = "for each in becalm start healthy router dask; do command -v $each; done; becalm --version"
+    found = subprocess.run(_inside(container, "sh", "-c", looks), capture_output=True, text=True, check=True)
+    *commands, told = found.stdout.splitlines()
+    assert [Path(each).name for each in commands] == ["becalm", "start", "healthy", "router", "dask"]
+    assert told.endswith(f" {version('becalm')}")
 
 
 @builds
