@@ -60,10 +60,13 @@ image-test: .venv/dev.stamp ## on a machine with docker: build the image and tes
 	docker build --tag becalm:test $(BUILD) .
 	BECALM_TEST_TAG=test $(BIN)/python -m pytest tests/deploy/test_engine.py
 
-bench: .venv/dev.stamp ## measure everything; takes ten minutes, wants a quiet machine
+bench: compiled ## measure everything; takes a quarter of an hour, wants a quiet machine
+	sh tests/browser/install_browser.sh
 	-$(BIN)/python -m benchmarks.simulation
 	-$(BIN)/python -m benchmarks.study
 	-$(BIN)/python -m benchmarks.service
+	-$(BIN)/python -m benchmarks.browsers --minutes 1
+	-$(BIN)/python -m benchmarks.link --seeds 3 --idle 60
 	$(BIN)/python -m benchmarks.soak --minutes 5 $(ARGS)
 
 lock: .venv/bin/uv ## resolve requirements.lock anew

@@ -9,7 +9,6 @@ scene is drawn in software, and ten would need ten computers, so `--scenes` says
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 import time
@@ -21,7 +20,7 @@ import httpx
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from benchmarks.service import Figures, Running, command, later_than, service
+from benchmarks.service import Figures, Running, command, later_than, service, told
 
 CHROMIUM = "/usr/bin/chromium"
 FLAGS = ("--no-sandbox", "--disable-background-networking", "--disable-component-update", "--disable-sync")
@@ -117,12 +116,7 @@ def main() -> int:
         figures = watched(running, duration, [])
         with windows(browser, running, arguments.browsers, arguments.scenes) as pages:
             figures |= watched(running, duration, pages)
-    if arguments.json:
-        print(json.dumps(figures, indent=2))
-        return 0
-    for label, value in figures.items():
-        print(f"  {value:10.4g}  {label}")
-    return 0
+    return told(figures, as_json=arguments.json)
 
 
 if __name__ == "__main__":

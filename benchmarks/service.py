@@ -85,6 +85,16 @@ def service(folder: Path, *options: str) -> Iterator[Running]:
         process.terminate()
 
 
+def told(figures: Figures, *, as_json: bool) -> int:
+    """Print the figures; for the end of a program."""
+    if as_json:
+        print(json.dumps(figures, indent=2))
+    else:
+        for label, value in figures.items():
+            print(f"  {value:10.4g}  {label}")
+    return 0
+
+
 def command(running: Running, name: str) -> None:
     """Give the live mission a command."""
     httpx.post(running.api + "/mission/commands", json={"command": name}, timeout=30).raise_for_status()

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.stats import linregress, t
 from websockets.asyncio.client import connect
 
-from benchmarks.service import Figures, Running, command, service
+from benchmarks.service import Figures, Running, command, service, told
 
 RATE = 10.0
 """Snapshots a second that each client asks for."""
@@ -116,12 +116,7 @@ def main() -> int:
         return 0
     with tempfile.TemporaryDirectory() as name, service(Path(name)) as running:
         figures = figures_of(looks(running, 60 * arguments.minutes, arguments.clients))
-    if arguments.json:
-        print(json.dumps(figures, indent=2))
-        return 0
-    for label, value in figures.items():
-        print(f"  {value:10.4g}  {label}")
-    return 0
+    return told(figures, as_json=arguments.json)
 
 
 if __name__ == "__main__":
