@@ -48,8 +48,8 @@ export function LatencyPlot({ link, shown }: { readonly link: LinkStatus; readon
   }, [colorScheme, shown]);
 
   useEffect(() => {
-    chart.current?.draw(link.latency);
-  }, [link.latency, colorScheme, shown]);
+    chart.current?.draw(link);
+  }, [link, colorScheme, shown]);
 
   return (
     <div className={styles.latency}>

@@ -58,7 +58,7 @@ export function drawPhases(plot: uPlot, { phases, colours }: Decorations): void 
 }
 
 /** In front: levels as dashed lines with their names. */
-export function drawLevels(plot: uPlot, { levels, colours }: Decorations): void {
+export function drawLevels(plot: uPlot, { levels, colours }: Pick<Decorations, "levels" | "colours">): void {
   const { ctx, bbox } = plot;
   const ratio = pixelRatio(plot);
   ctx.save();
