@@ -71,6 +71,7 @@ def service(folder: Path, *options: str) -> Iterator[Running]:
     """One that is ready to fly, of these options of `becalm serve`."""
     command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open", *options]
     environment = {**os.environ, "BECALM_DATA_DIR": str(folder), "PYTHONUNBUFFERED": "1"}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # nobody who installs Becalm reads it from source at each start
     began = time.perf_counter()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None
