@@ -22,14 +22,15 @@ HELD_UP = 12
 """Control periods for which the sending threads get next to no processor."""
 AFTER = 4
 HOG = f"""
-import os, time
+import os, sys, time
+os.sched_setaffinity(0, {{int(sys.argv[1])}})
 os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
 end = time.monotonic() + {HELD_UP * PERIOD}
 print(flush=True)
 while time.monotonic() < end:
     pass
 """
-"""Keeps its processor for that long, before whatever is not real time."""
+"""Keeps the processor of that number for that long, before whatever is not real time."""
 
 
 def _may_hold_up() -> bool:
@@ -50,7 +51,7 @@ def _held_up_sending() -> Iterator[None]:
     before = os.sched_getaffinity(0)
     for thread, cpu in [(0, mine), *((thread, theirs) for thread in senders)]:
         os.sched_setaffinity(thread, {cpu})
-    command = ["taskset", "--cpu-list", str(theirs), sys.executable, "-c", HOG]
+    command = [sys.executable, "-c", HOG, str(theirs)]
     try:
         with subprocess.Popen(command, stdout=subprocess.PIPE) as hog:
             assert hog.stdout is not None
