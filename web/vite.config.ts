@@ -31,6 +31,8 @@ export default defineConfig({
     // Fonts stay files of their own: a data: URL would need a wider Content-Security-Policy.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    // jsPDF would read these for HTML and canvas sources; figures are SVG (src/ui/export).
+    rolldownOptions: { external: ["html2canvas", "dompurify", "canvg"] },
   },
   server: {
     proxy: {

@@ -1,0 +1,50 @@
+/** A button that saves a figure as SVG, PNG or PDF. */
+import { Button, Menu } from "@mantine/core";
+import { useState } from "react";
+import { FIGURE_FORMATS, saveFigure, type FigureFormat } from "./figure-file";
+
+const WORDS: Readonly<Record<FigureFormat, string>> = {
+  svg: "SVG, to edit",
+  png: "PNG, 300 dpi",
+  pdf: "PDF, for a paper",
+};
+
+interface ExportMenuProps {
+  /** What is saved, such as "the plot of tip forces". */
+  readonly what: string;
+  /** Of the file, without its ending. */
+  readonly name: string;
+  /** The figure as it is when it is asked for: markup of one `<svg>`. */
+  readonly draw: () => string;
+}
+
+export function ExportMenu({ what, name, draw }: ExportMenuProps) {
+  const [trouble, setTrouble] = useState<string | null>(null);
+  const save = (format: FigureFormat): void => {
+    setTrouble(null);
+    saveFigure(draw(), name, format).catch((cause: unknown) => {
+      setTrouble(cause instanceof Error ? cause.message : String(cause));
+    });
+  };
+  return (
+    <Menu position="bottom-end" withinPortal>
+      <Menu.Target>
+        <Button size="compact-xs" aria-label={`Export ${what}`} title={trouble ?? `Save ${what} as a picture on white`}>
+          {trouble === null ? "Export" : "Not saved"}
+        </Button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {FIGURE_FORMATS.map((format) => (
+          <Menu.Item
+            key={format}
+            onClick={() => {
+              save(format);
+            }}
+          >
+            {WORDS[format]}
+          </Menu.Item>
+        ))}
+      </Menu.Dropdown>
+    </Menu>
+  );
+}
