@@ -12,8 +12,10 @@ from becalm.serving import address
 from becalm.sockets import bound_socket
 from server.app import create_app
 from server.console import STATIC
+from server.data_folder import require_free
 from server.settings import Chosen, Settings
 from server.versions import becalm_version
+from sim.claim import has_locks
 
 DEFAULT = "default"
 
@@ -24,6 +26,7 @@ def checked(chosen: Chosen) -> dict[str, Any]:
     Raises:
         ConfigError: a start would refuse these settings.
         AddressInUse: the address cannot be had.
+        DataFolderInUse: another service has the data folder.
         PermissionError: the data folder cannot be written.
 
     """
@@ -31,36 +34,41 @@ def checked(chosen: Chosen) -> dict[str, Any]:
     create_app(settings)
     with bound_socket(settings.host, settings.port) as bound:
         url = address(settings.host, bound.getsockname()[1] if settings.port else 0)
-    _require_writable(settings.data_dir)
+    there = _writable(settings.data_dir)
+    require_free(settings.data_dir)
     return {
         "version": becalm_version(),
         "address": url,
         "console": (STATIC / "index.html").exists(),
         "tokens_required": settings.tokens_required,
+        "locks": has_locks(there),
         "settings": settings.model_dump(mode="json"),
         "sources": {name: chosen.sources.get(name, DEFAULT) for name in Settings.model_fields},
     }
 
 
-def _require_writable(folder: Path) -> None:
-    """See that the folder, or the one that it would be made in, can be written."""
+def _writable(folder: Path) -> Path:
+    """The folder, or the one that it would be made in, which can be written."""
     there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
     if not there.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(there))
     if not os.access(there, os.W_OK | os.X_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(there))
+    return there
 
 
 def as_text(found: Mapping[str, Any]) -> str:
     """For people."""
     settings, sources = found["settings"], found["sources"]
     let_in = "who has a token" if found["tokens_required"] else "everyone who reaches it"
+    locks = "locked by the system" if found["locks"] else "no locks on its file system: a file in it names the owner"
     studies = settings["scheduler"] or f"{settings['study_workers']} at a time on this machine"
     lines = [
         f"Becalm {found['version']} would start at {found['address']}",
         f"  flies     {settings['plant']}, opening with {settings['configuration']}",
         f"  studies   {studies}",
         f"  lets in   {let_in}",
+        f"  data      {settings['data_dir']}, {locks}",
         f"  console   {'built' if found['console'] else 'not built: pip install . builds it'}",
         "",
     ]

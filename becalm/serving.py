@@ -13,6 +13,7 @@ import uvicorn
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
+from server.data_folder import owned
 from server.feed import Feed
 from server.realtime import schedule_realtime
 from server.service_log import Moment, ServiceLog
@@ -30,24 +31,26 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     Raises:
         ConfigError: the configuration that the mission should open with cannot be, or real time not be had.
         AddressInUse: the address cannot be had.
+        DataFolderInUse: another service has the data folder.
 
     """
     if settings.realtime:
         schedule_realtime()
     app = create_app(settings)
     services: Services = app.state.services
-    with bound_socket(settings.host, settings.port) as bound, _logging(services):
+    with bound_socket(settings.host, settings.port) as bound:
         url = address(settings.host, bound.getsockname()[1])
-        config = uvicorn.Config(
-            app,
-            log_config=None,
-            log_level="warning",
-            ws_per_message_deflate=False,
-            timeout_graceful_shutdown=SHUTDOWN_TIME,
-        )
-        server = _Server(config, lambda: _announce(url, open_page=open_page), services.loop.end_soon)
-        with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
-            server.run(sockets=[bound])
+        with owned(settings.data_dir, url), _logging(services):
+            config = uvicorn.Config(
+                app,
+                log_config=None,
+                log_level="warning",
+                ws_per_message_deflate=False,
+                timeout_graceful_shutdown=SHUTDOWN_TIME,
+            )
+            server = _Server(config, lambda: _announce(url, open_page=open_page), services.loop.end_soon)
+            with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
+                server.run(sockets=[bound])
 
 
 @contextlib.contextmanager

@@ -5,6 +5,8 @@ CaptureError (sim.errors)
 ├── PresetNotFound  no such preset (REST 404)
 ├── StudyNotFound   no such study (REST 404)
 ├── StudyRefused    a request that the study's status does not allow (REST 409)
+├── StoredUnreadable  a stored run, study or file is damaged, of another version or not permitted (REST 409)
+├── DataFolderInUse another service has the data folder (exit 1)
 ├── ConfirmationNeeded  a study of very many cells (REST 409)
 ├── DiskFull        too little room for another run or study (REST 507)
 ├── LoopSilent      the mission thread did not answer in time (REST 504)
@@ -43,6 +45,19 @@ class StudyNotFound(CaptureError):
 
 class StudyRefused(CaptureError):
     """A request that the study's status does not allow."""
+
+
+class StoredUnreadable(CaptureError):
+    """Something stored cannot be read: damaged, of another version, or not permitted; it costs nothing else."""
+
+    def __init__(
+        self, message: str, *, tip: str = "restore it from a backup, mend its permissions, or remove it"
+    ) -> None:
+        super().__init__(message, tip=tip)
+
+
+class DataFolderInUse(CaptureError):
+    """Another living service has the data folder."""
 
 
 class ConfirmationNeeded(CaptureError):

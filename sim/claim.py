@@ -1,21 +1,23 @@
-"""A file claimed by a living process: the system frees the claim when the process dies, however it dies."""
+"""A file claimed by a living process: the system frees the claim when the process dies, however it dies.
+
+Claims are locks of the `filelock` library. Where the file system has none (some network and FUSE mounts), a file
+beside it, `NAME.pid`, names the process and its host instead; one whose process is gone from this host counts no more.
+"""
 
 from __future__ import annotations
 
+import errno
+import logging
 import os
-import sys
+import tempfile
 from pathlib import Path
 
-if sys.platform == "win32":
-    import msvcrt
+from filelock import BaseFileLock, FileLock, SoftFileLock, Timeout, lock_descriptor
 
-    def _lock(descriptor: int) -> None:
-        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-else:
-    import fcntl
+WITHOUT_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EPERM)
+"""What a file system answers that knows no locks."""
 
-    def _lock(descriptor: int) -> None:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+log = logging.getLogger(__name__)
 
 
 class Claim:
@@ -26,45 +28,59 @@ class Claim:
 
         Raises:
             BlockingIOError: another claim on it is alive.
+            OSError: the file cannot be made or opened.
 
         """
+        if not path.parent.is_dir():  # the library would make it
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
         self._path = path
-        self._descriptor = _claimed(path)
+        try:
+            self._lock = _acquired(FileLock(path, thread_local=False, fallback_to_soft=False), path)
+        except OSError as error:
+            if error.errno not in WITHOUT_LOCKS:
+                raise
+            self._lock = _without_locks(path, error)
 
     def release(self, *, remove: bool = False) -> None:
         """Give the file free, and remove it if it was only there to be claimed."""
         if remove:
             self._path.unlink(missing_ok=True)
-        os.close(self._descriptor)
+        self._lock.release()
 
 
-def _claimed(path: Path) -> int:
-    """A locked descriptor of the file that stands under this name, not of one that was removed meanwhile."""
-    while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-        try:
-            _lock(descriptor)
-        except OSError:
-            os.close(descriptor)
-            raise BlockingIOError(f"{path} is claimed by another process") from None
-        if _stands_under(path, descriptor):
-            return descriptor
-        os.close(descriptor)
-
-
-def _stands_under(path: Path, descriptor: int) -> bool:
+def _acquired(lock: BaseFileLock, path: Path) -> BaseFileLock:
     try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise BlockingIOError(errno.EAGAIN, "another process holds it", str(path)) from None
+    return lock
+
+
+def _without_locks(path: Path, error: OSError) -> BaseFileLock:
+    marker = path.with_name(path.name + ".pid")
+    lock = _acquired(SoftFileLock(marker, thread_local=False), marker)
+    log.warning("the file system of %s has no locks (%s); %s tells who holds it", path, error.strerror, marker.name)
+    return lock
 
 
 def is_claimed(path: Path) -> bool:
-    """Whether a living process claims this file."""
+    """Whether a living process claims this file, or one may: it cannot be tried by this user, or on this disk."""
     if not path.exists():
         return False
     try:
         Claim(path).release()
-    except BlockingIOError:
+    except OSError:
         return True
     return False
+
+
+def has_locks(folder: Path) -> bool:
+    """Whether the file system of this folder knows locks: tried on a file that never has a name."""
+    with tempfile.TemporaryFile(dir=folder) as file:
+        try:
+            lock_descriptor(file.fileno(), blocking=False)
+        except OSError as error:
+            if error.errno in WITHOUT_LOCKS:
+                return False
+            raise
+    return True

@@ -22,6 +22,7 @@ from server.problems import (
     LoopSilent,
     PresetNotFound,
     ServiceBusy,
+    StoredUnreadable,
     StudyNotFound,
     StudyRefused,
 )
@@ -39,6 +40,7 @@ STATUSES: dict[type[CaptureError], int] = {
     PresetNotFound: 404,
     StudyNotFound: 404,
     StudyRefused: 409,
+    StoredUnreadable: 409,
     ConfirmationNeeded: 409,
     TableUnusable: 409,
     WorkersUnavailable: 503,
