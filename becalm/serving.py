@@ -15,6 +15,7 @@ from server.api.services import Services
 from server.app import create_app
 from server.data_folder import owned
 from server.feed import Feed
+from server.paced_sockets import SOCKET_OPTIONS
 from server.realtime import schedule_realtime
 from server.service_log import Moment, ServiceLog
 from server.settings import Settings
@@ -45,7 +46,7 @@ def serve(settings: Settings, *, open_page: bool) -> None:
                 app,
                 log_config=None,
                 log_level="warning",
-                ws_per_message_deflate=False,
+                **SOCKET_OPTIONS,
                 timeout_graceful_shutdown=SHUTDOWN_TIME,
             )
             server = _Server(config, lambda: _announce(url, open_page=open_page), services.loop.end_soon)

@@ -16,6 +16,7 @@ import uvicorn
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
+from server.paced_sockets import SOCKET_OPTIONS
 from server.published import MissionSnapshot
 from server.settings import Settings
 from sim.capture.mission import prepare
@@ -106,7 +107,7 @@ class Served(NamedTuple):
 def _serving(settings: Settings) -> Iterator[Served]:
     app = create_app(settings)
     with bound_socket("127.0.0.1", 0) as bound:
-        config = uvicorn.Config(app, log_level="warning", ws_per_message_deflate=False, timeout_graceful_shutdown=1)
+        config = uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1, **SOCKET_OPTIONS)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=lambda: server.run(sockets=[bound]))
         thread.start()
