@@ -6,14 +6,15 @@ import threading
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 from pydantic import Field
 
 from server.fork import Fork
 from server.problems import ServiceBusy
 from sim.capture.snapshot import Published
+from sim.config import MissionConfig
 
 CAPACITY = 32
 """Requests that may wait; a healthy loop empties the inbox every few milliseconds."""
@@ -39,6 +40,14 @@ CommandName = Literal[
 ]
 
 
+class Revision(NamedTuple):
+    """A configuration that was made from another one, and checked, by the thread that asks."""
+
+    before: MissionConfig
+    """In force when it was made."""
+    after: MissionConfig
+
+
 @dataclass(frozen=True)
 class Request:
     """What somebody asks of the mission thread."""
@@ -48,7 +57,8 @@ class Request:
     speed: float | None = None
     ticks: int = 1
     configuration: str | None = None
-    changes: dict[str, Any] = field(default_factory=dict)
+    revision: Revision | None = None
+    """With `configure`."""
     fork: Fork | None = None
     to: str = ""
     """With `hand_over`: the name of who may take control."""

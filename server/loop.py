@@ -22,14 +22,14 @@ from server.link.robot_link import RobotLink
 from server.link.zenoh_plant import ZenohPlant
 from server.live_mission import RESTING_PHASES, LiveMission, display_name
 from server.pace import FULL_SPEED, Pace
-from server.problems import Problem, ServiceBusy
+from server.problems import ConfigOutdated, Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
 from server.realtime import punctual
 from server.recorder import BACKLOG_LIMIT, Recorder
 from server.run_folder import wall_clock
 from sim.capture.mission import prepare
 from sim.config import MissionConfig
-from sim.configurations import named_configuration, revised
+from sim.configurations import named_configuration
 from sim.control.phases import Command, Phase
 from sim.errors import CaptureError, LinkLost, MissionRefused
 
@@ -439,7 +439,18 @@ class MissionLoop:
         return self._succeed(request, following, "fork", message)
 
     def _configure(self, request: Request) -> str:
-        config = revised(self._flying.config, request.changes)
+        """Take a configuration that was checked by who asks, unless what it was made from has changed since.
+
+        Raises:
+            ConfigOutdated: it has.
+            MissionRefused: it takes a new mission, and this one is under way.
+
+        """
+        revision = request.revision
+        assert revision is not None, "whoever asks has made it"
+        if revision.before is not self._flying.config:
+            raise ConfigOutdated("the parameters have changed meanwhile", tip="look at them, then change them again")
+        config = revision.after
         if self._flying.can_take(config):
             self._flying.configure(config)
             self._show_view()

@@ -2,6 +2,7 @@
 
 CaptureError (sim.errors)
 ├── ServiceBusy     a bounded queue is full, or the plant is still being prepared (REST 503)
+├── ConfigOutdated  parameters changed while a change of them was checked (REST 409)
 ├── PresetNotFound  no such preset (REST 404)
 ├── StudyNotFound   no such study (REST 404)
 ├── StudyRefused    a request that the study's status does not allow (REST 409)
@@ -25,6 +26,10 @@ from sim.study.flight import in_words
 
 class ServiceBusy(CaptureError):
     """Asked too much, or too early; the same request may succeed later."""
+
+
+class ConfigOutdated(CaptureError):
+    """The configuration in force is not the one any more that a change was checked against."""
 
 
 class LoopSilent(CaptureError):

@@ -31,6 +31,18 @@ from sim.config import (
 from sim.errors import ConfigError
 from sim.model.clearance import initial_overlap
 
+MOST_CHANGES = 4 * len(PARAMETERS)
+"""Names that one nested mapping of changes may hold, groups included."""
+
+DEEPEST_CHANGE = 8
+"""Levels that it may have; the parameters have four."""
+
+LONGEST_NAME = 100
+"""Characters of a name that are looked at, and repeated in a message."""
+
+MOST_FINDINGS = 8
+"""Values that a message tells of; it says how many more there are."""
+
 
 def _printed() -> MissionConfig:
     """The constants of the paper's Tables I and II, digit for digit; what they leave out as `published`."""
@@ -108,9 +120,10 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
     """A copy of the configuration with a nested mapping of changes applied and checked as a whole.
 
     Raises:
-        ConfigError: a field that does not exist, a value out of bounds, or parts that do not fit.
+        ConfigError: a field that does not exist, a value out of bounds, parts that do not fit, or more than may be.
 
     """
+    require_bounded(changes)
     tree = merged(config.model_dump(mode="json"), changes)
     try:
         result = MissionConfig.model_validate_json(json.dumps(tree))
@@ -121,6 +134,28 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
         ) from None
     require_clear_start(result)
     return result
+
+
+def require_bounded(changes: Mapping[str, Any]) -> None:
+    """Refuse changes of more names, or of more levels, than there can be: to explain each takes time.
+
+    Raises:
+        ConfigError: the message tells the bound.
+
+    """
+    level: list[Any] = [changes]
+    names = 0
+    for _ in range(DEEPEST_CHANGE):
+        level = [list(group.values()) if isinstance(group, Mapping) else group for group in level]
+        level = [each for group in level if isinstance(group, list) for each in group]
+        names += len(level)
+        if names > MOST_CHANGES:
+            tip = f"there are {len(PARAMETERS)} parameters; send only what changes"
+            raise ConfigError(f"changes = more than {MOST_CHANGES} names", tip=tip)
+        if not level:
+            return
+    tip = "a parameter's path has a few groups, such as control.impedance.damping"
+    raise ConfigError(f"changes = more than {DEEPEST_CHANGE} levels", tip=tip)
 
 
 def require_clear_start(config: MissionConfig) -> None:
@@ -157,17 +192,25 @@ def merged(tree: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
 def explained(error: ValidationError) -> str:
     """A validation error as one line a finding: field, value and what would be right."""
     lines = []
-    for finding in error.errors(include_url=False):
-        path = ".".join(str(part) for part in finding["loc"])
+    findings = error.errors(include_url=False)
+    for finding in findings[:MOST_FINDINGS]:
+        path = shortened(".".join(str(part) for part in finding["loc"]))
         if finding["type"] == "extra_forbidden":
             lines.append(unknown_parameter(path))
         elif path and path in PARAMETERS:
-            lines.append(f"{path} = {finding['input']!r}: {finding['msg']}{bracketed_unit(path)}")
+            lines.append(f"{path} = {shortened(repr(finding['input']))}: {finding['msg']}{bracketed_unit(path)}")
         elif path:
-            lines.append(f"{path} = {finding['input']!r}: {finding['msg']}")
+            lines.append(f"{path} = {shortened(repr(finding['input']))}: {finding['msg']}")
         else:
             lines.append(finding["msg"].removeprefix("Value error, "))
+    if len(findings) > MOST_FINDINGS:
+        lines.append(f"and {len(findings) - MOST_FINDINGS} more")
     return "; ".join(lines)
+
+
+def shortened(text: str) -> str:
+    """The text, or as much of it as a message should repeat."""
+    return text if len(text) <= LONGEST_NAME else text[: LONGEST_NAME - 3] + "..."
 
 
 def bracketed_unit(path: str) -> str:
@@ -178,6 +221,7 @@ def bracketed_unit(path: str) -> str:
 
 def unknown_parameter(path: str) -> str:
     """That no parameter has this path, and which one may be meant."""
+    path = shortened(path)
     close = difflib.get_close_matches(path, PARAMETERS, n=1)
     return f"{path} is not a parameter" + (f"; did you mean {close[0]}?" if close else "")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
@@ -12,9 +13,13 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.api.mission import answered
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
-from server.inbox import Request
+from server.inbox import Request, Revision
+from server.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
-from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
+from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
+
+ATTEMPTS = 5
+"""How often a change is checked anew because others changed parameters meanwhile."""
 
 router = APIRouter(tags=["configuration"])
 
@@ -94,7 +99,16 @@ async def change_config(
     ],
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
-    await answered(services, Request("configure", who=asker, changes=changes))
+    for attempt in range(1, ATTEMPTS + 1):
+        before = services.loop.view.config
+        # Here, not by the mission thread: what is asked may be anything, and takes its time to be refused.
+        after = await asyncio.to_thread(revised, before, changes)
+        try:
+            await answered(services, Request("configure", who=asker, revision=Revision(before, after)))
+            break
+        except ConfigOutdated:
+            if attempt == ATTEMPTS:
+                raise
     return _body(services)
 
 

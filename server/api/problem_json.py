@@ -17,6 +17,7 @@ from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
 from server.problems import (
+    ConfigOutdated,
     ConfirmationNeeded,
     DiskFull,
     LoopSilent,
@@ -27,6 +28,7 @@ from server.problems import (
     StudyRefused,
 )
 from sim.config import PARAMETERS
+from sim.configurations import MOST_FINDINGS
 from sim.errors import CaptureError, ConfigError, LinkLost, MissionRefused, RunNotFound
 from sim.study.executors import WorkersUnavailable
 from sim.study.table import TableUnusable
@@ -36,6 +38,7 @@ MEDIA_TYPE = "application/problem+json"
 STATUSES: dict[type[CaptureError], int] = {
     ConfigError: 422,
     MissionRefused: 409,
+    ConfigOutdated: 409,
     RunNotFound: 404,
     PresetNotFound: 404,
     StudyNotFound: 404,
@@ -166,7 +169,8 @@ def _config_findings(error: ConfigError) -> list[Finding]:
     """Field, value and message of each value that a configuration was refused for."""
     cause = error.__cause__ or error.__context__
     if isinstance(cause, ValidationError):
-        return [_finding(each) for each in cause.errors(include_url=False, include_context=False)]
+        findings = cause.errors(include_url=False, include_context=False)
+        return [_finding(each) for each in findings[:MOST_FINDINGS]]
     return [_named_finding(str(error))]
 
 

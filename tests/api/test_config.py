@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 from sim.config import PARAMETERS
@@ -69,6 +71,26 @@ async def test_all_or_nothing(console):
     changes = {"control": {"impedance": {"damping": 3.0, "stiffness": -1.0}}}
     assert (await console.http.patch("/mission/config", json=changes)).status_code == 422
     assert (await console.http.get("/mission/config")).json()["edited"] == {}
+
+
+async def test_what_cannot_be_never_reaches_the_mission_thread(console, monkeypatch):
+    """To check and to explain it may take long, and a mission flies meanwhile."""
+    asked = []
+    monkeypatch.setattr(console.services.loop, "ask", asked.append)
+    for changes in ({f"stranger_{number}": 1.0 for number in range(2000)}, {"target": {"mass": -1}}):
+        answer = await console.http.patch("/mission/config", json=changes)
+        assert answer.status_code == 422
+        assert len(answer.content) < 10_000
+    assert asked == []
+
+
+async def test_changes_at_once_all_hold_though_each_was_checked_against_another(console):
+    """What was checked against parameters that are no longer in force is checked again, not laid over the others'."""
+    changes = [{"damping": 3.0}, {"stiffness": 20.0}, {"mass": 0.3}]
+    asked = [console.http.patch("/mission/config", json={"control": {"impedance": each}}) for each in changes]
+    assert [answer.status_code for answer in await asyncio.gather(*asked)] == [200, 200, 200]
+    impedance = (await console.http.get("/mission/config")).json()["config"]["control"]["impedance"]
+    assert (impedance["damping"], impedance["stiffness"], impedance["mass"]) == (3.0, 20.0, 0.3)
 
 
 async def test_schema_tells_everything_about_every_parameter(console):

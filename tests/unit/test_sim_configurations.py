@@ -182,3 +182,43 @@ class TestFiles:
         file.write_text(json.dumps([1, 2]), encoding="utf-8")
         with pytest.raises(ConfigError, match="holds no table"):
             read_config_file(file)
+
+
+def deep(innermost, levels):
+    """So many groups, or lists, one within another."""
+    for _ in range(levels):
+        innermost = [innermost] if isinstance(innermost, list) else {"group": innermost}
+    return innermost
+
+
+class TestBounds:
+    """Whatever is asked, to refuse it takes a moment, and a few words."""
+
+    def test_as_many_names_as_there_are_parameters_pass(self):
+        config = MissionConfig()
+        assert revised(config, config.model_dump(mode="json")) == config
+
+    @pytest.mark.parametrize(
+        ("changes", "bound"),
+        [
+            ({f"stranger_{number}": 1.0 for number in range(2000)}, "names"),
+            ({"control": {f"stranger_{number}": 1.0 for number in range(2000)}}, "names"),
+            ({"target": {"mass": [0.0] * 2000}}, "names"),
+            (deep({}, 900), "levels"),
+            ({"target": deep([], 900)}, "levels"),
+        ],
+    )
+    def test_more_than_there_can_be_is_refused_as_such(self, changes, bound):
+        with pytest.raises(ConfigError, match=f"changes = more than [0-9]+ {bound}"):
+            revised(MissionConfig(), changes)
+
+    def test_a_message_tells_of_some_and_how_many_more(self):
+        with pytest.raises(ConfigError, match=r"stranger_0 is not a parameter.*; and 12 more$") as refused:
+            revised(MissionConfig(), {f"stranger_{number}": 1.0 for number in range(20)})
+        assert len(str(refused.value)) < 2000
+
+    @pytest.mark.parametrize("changes", [{"x" * 900_000: 1.0}, {"target": {"mass": "x" * 900_000}}])
+    def test_a_message_does_not_repeat_what_is_long(self, changes):
+        with pytest.raises(ConfigError, match=r"x\.\.\.") as refused:
+            revised(MissionConfig(), changes)
+        assert len(str(refused.value)) < 500
