@@ -3,7 +3,8 @@
 `/scene/` shows the live mission, `/scene/playback/KEY/` a recorded run that somebody watches (`server.playbacks`).
 
 viser knows no login and takes any origin, so it listens on loopback only and everything comes through
-here, behind the same checks as the rest of the service (`SameOrigin`). The page at `/scene/` opens its
+here, behind the same checks as the rest of the service (`SameOrigin`), and no word of a browser's but what
+`server.scene_words` lets pass. The page at `/scene/` opens its
 websocket at `/scene`, without the slash: both are routed.
 """
 
@@ -12,6 +13,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 from urllib.parse import quote
@@ -26,11 +28,16 @@ from websockets.typing import Subprotocol
 
 from server.access.headers import content_policy, inline_scripts
 from server.playbacks import Playbacks
+from server.scene_words import heard
 
 router = APIRouter(include_in_schema=False)
 
 ANSWER_TIMEOUT = 5.0
 """How long viser may take to answer on loopback [s]."""
+CAMERA_PERIOD = 1 / 30
+"""Between two messages of one browser that are passed on [s]; of those between, the last counts."""
+AT_ONCE = 48
+"""Sockets of scenes that may be open; each has everything drawn for it."""
 TRY_AGAIN_LATER = 1013
 """WebSocket close code for a scene that is not there (yet)."""
 
@@ -55,6 +62,37 @@ canvas[data-engine] { background: radial-gradient(120% 90% at 50% 40%, #151b24 0
 div:has(canvas[data-engine]) + .mantine-Paper-root { display: none !important }
 </style>"""
 """Dark from the first paint, the console's night behind the scene, and none of viser's own panels."""
+
+
+@dataclass
+class Traffic:
+    """What goes through here."""
+
+    open: int = 0
+    """Sockets now."""
+    dropped: int = 0
+    """Messages of browsers that were not passed on (`server.scene_words`)."""
+
+
+class _Newest:
+    """The newest word, until it is taken."""
+
+    def __init__(self) -> None:
+        self._word: bytes | None = None
+        self._news = asyncio.Event()
+
+    def put(self, word: bytes) -> None:
+        """In place of one that was not taken."""
+        self._word = word
+        self._news.set()
+
+    async def taken(self) -> bytes:
+        """Waits for one if there is none."""
+        while self._word is None:
+            self._news.clear()
+            await self._news.wait()
+        word, self._word = self._word, None
+        return word
 
 
 @router.get("/scene")
@@ -120,6 +158,18 @@ async def playback_socket(browser: WebSocket, key: str) -> None:
 
 async def _pump(browser: WebSocket, port: Callable[[HTTPConnection], int]) -> None:
     """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
+    through = traffic(browser)
+    if through.open >= AT_ONCE:
+        await browser.close(TRY_AGAIN_LATER, f"{AT_ONCE} scenes are being watched already")
+        return
+    through.open += 1
+    try:
+        await _pump_between(browser, port, through)
+    finally:
+        through.open -= 1
+
+
+async def _pump_between(browser: WebSocket, port: Callable[[HTTPConnection], int], through: Traffic) -> None:
     offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
     try:
         viser = await connect(
@@ -136,9 +186,19 @@ async def _pump(browser: WebSocket, port: Callable[[HTTPConnection], int]) -> No
         return
     async with viser:
         await browser.accept(viser.subprotocol)
-        await _first_to_end(_to_viser(browser, viser), _to_browser(viser, browser))
+        camera = _Newest()
+        await _first_to_end(_listen(browser, camera, through), _pass_on(camera, viser), _to_browser(viser, browser))
         with contextlib.suppress(*GONE):
             await browser.close(viser.close_code or 1001, viser.close_reason or "")
+
+
+def traffic(connection: HTTPConnection) -> Traffic:
+    """The application's own."""
+    state = connection.app.state
+    if not hasattr(state, "scene_traffic"):
+        state.scene_traffic = Traffic()
+    found: Traffic = state.scene_traffic
+    return found
 
 
 def _live_port(connection: HTTPConnection) -> int:
@@ -158,9 +218,19 @@ def _playback_port(connection: HTTPConnection, key: str) -> int:
     return port
 
 
-async def _to_viser(browser: WebSocket, viser: ClientConnection) -> None:
+async def _listen(browser: WebSocket, camera: _Newest, through: Traffic) -> None:
     while (message := await browser.receive())["type"] == "websocket.receive":
-        await viser.send(message.get("bytes") or message.get("text") or b"")
+        word = heard(message.get("bytes"))
+        if word is None:
+            through.dropped += 1
+        else:
+            camera.put(word)
+
+
+async def _pass_on(camera: _Newest, viser: ClientConnection) -> None:
+    while True:
+        await viser.send(await camera.taken())
+        await asyncio.sleep(CAMERA_PERIOD)
 
 
 async def _to_browser(viser: ClientConnection, browser: WebSocket) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import PlainTextResponse
 from prometheus_client import CollectorRegistry, ProcessCollector
@@ -23,6 +23,7 @@ from server.api.services import Services, ServicesDep
 from server.feed import Subscriber
 from server.pace import LATENESS_BOUNDS, Pace
 from server.published import MissionSnapshot
+from server.scene_proxy import Traffic, traffic
 from server.versions import becalm_version
 from sim.control.phases import Phase
 
@@ -32,20 +33,21 @@ STATUSES = ("preparing", "ok", "faulted")
 
 
 @router.get("/metrics")
-async def metrics(services: ServicesDep) -> PlainTextResponse:
+async def metrics(services: ServicesDep, request: Request) -> PlainTextResponse:
     """Of this moment, in Prometheus's text format."""
     watching, lost = services.feed.subscribers, services.feed.lost  # they live in this event loop
     registry = CollectorRegistry()
     ProcessCollector(registry=registry)
-    registry.register(ServiceState(services, watching, lost))
+    registry.register(ServiceState(services, watching, lost, traffic(request)))
     return PlainTextResponse(await run_in_threadpool(generate_latest, registry), media_type=CONTENT_TYPE_LATEST)
 
 
 class ServiceState(Collector):
     """What the service is doing, at one moment."""
 
-    def __init__(self, services: Services, watching: tuple[Subscriber, ...], lost: int) -> None:
+    def __init__(self, services: Services, watching: tuple[Subscriber, ...], lost: int, scenes: Traffic) -> None:
         self._services = services
+        self._scenes = scenes
         self._watching = watching
         self._lost = lost
 
@@ -84,6 +86,10 @@ class ServiceState(Collector):
     def _clients(self) -> Iterator[Metric]:
         yield _gauge("becalm_telemetry_clients", "Who watches the telemetry", len(self._watching))
         yield CounterMetricFamily("becalm_telemetry_lost_frames", "Frames dropped for slow clients", self._lost)
+
+        yield _gauge("becalm_scene_clients", "Sockets of scenes that are open", self._scenes.open)
+        text = "Messages of browsers to scenes that were none of a camera, and not passed on"
+        yield CounterMetricFamily("becalm_scene_dropped_messages", text, self._scenes.dropped)
 
     def _storage(self) -> Iterator[Metric]:
         recorder, disk = self._services.recorder, self._services.disk

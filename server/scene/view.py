@@ -267,7 +267,7 @@ class Scene:
         point = self._followed(snapshot)
         for client in server.get_clients().values():
             camera = client.camera
-            if self._shown < self._settled_at:
+            if self._shown < self._settled_at or not _is_somewhere(camera):
                 view = self._view(camera.aspect)
             else:
                 view = cameras.carried(camera.position, camera.look_at, point)
@@ -278,6 +278,11 @@ class Scene:
 def _drawn(config: MissionConfig) -> tuple[BaseConfig, ArmConfig, TargetConfig]:
     """What of a configuration the drawing depends on; the rest may change while a mission flies."""
     return config.robot.base, config.robot.arm, config.target
+
+
+def _is_somewhere(camera: viser.CameraHandle) -> bool:
+    """Whether a browser says where its camera is: what is no number would be carried along for ever."""
+    return bool(np.isfinite(camera.position).all() and np.isfinite(camera.look_at).all())
 
 
 def _is_near(position: FloatArray, other: FloatArray) -> bool:
