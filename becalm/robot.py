@@ -17,6 +17,7 @@ import uvicorn
 from pydantic import BaseModel, ValidationError
 
 from becalm.sockets import bound_socket
+from becalm.typed import read_number
 from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings
@@ -49,8 +50,8 @@ def parse_fault(text: str) -> TimedFault:
     assignment, _, after = text.partition("@")
     name, equals, value = assignment.partition("=")
     try:
-        seconds = float(after or 0.0)
-    except ValueError:
+        seconds = read_number(after) if after else 0.0
+    except ConfigError:
         seconds = -1.0
     if not equals or name not in (*Faults.model_fields, "hang", "restart") or not 0.0 <= seconds < 1e6:
         names = ", ".join((*Faults.model_fields, "hang", "restart"))
@@ -152,9 +153,9 @@ def _timed(emulator: RobotEmulator, faults: tuple[TimedFault, ...]) -> Iterator[
 
 def _apply(emulator: RobotEmulator, fault: TimedFault) -> None:
     if fault.name == "hang":
-        emulator.hang(float(fault.value))
+        emulator.hang(read_number(fault.value))
     elif fault.name == "restart":
-        emulator.restart(float(fault.value))
+        emulator.restart(read_number(fault.value))
     else:
         emulator.suffer(_revised(emulator.faults, fault))
 
@@ -162,9 +163,9 @@ def _apply(emulator: RobotEmulator, fault: TimedFault) -> None:
 def _revised(faults: Faults, fault: TimedFault) -> Faults:
     if fault.name in ("hang", "restart"):
         try:
-            float(fault.value)
-        except ValueError:
-            raise ConfigError(f"--fault {fault.name}={fault.value}: its value is a time [s]") from None
+            read_number(fault.value)
+        except ConfigError as error:
+            raise ConfigError(f"--fault {fault.name}={fault.value}: its value is a time [s]; {error}") from None
         return faults
     return _validated(Faults, {**faults.model_dump(), fault.name: fault.value}, "--fault")
 

@@ -18,6 +18,7 @@ from functools import reduce
 
 import numpy as np
 
+from becalm.typed import parse_setting
 from server.link import wire
 from server.link.contract import MOTION_CAPTURE_RATE
 from server.link.imperfections import Imperfections, Sensors
@@ -27,7 +28,7 @@ from sim.capture.mission import Mission
 from sim.capture.snapshot import Outcome
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.configurations import merged, named_configuration, parse_setting, revised
+from sim.configurations import merged, named_configuration, revised
 from sim.control.phases import Command
 from sim.model.robot import chain, robot_model
 from sim.plant.plant import PLANT_STATE

@@ -243,23 +243,3 @@ def read_config_file(path: Path, kind: str = "config file") -> dict[str, Any]:
     if not isinstance(tree, dict):
         raise ConfigError(f"{kind} {str(path)!r} holds no table")
     return tree
-
-
-def parse_setting(setting: str) -> dict[str, Any]:
-    """`PATH=VALUE`, as `--set` takes it, to the nested mapping of one change.
-
-    Raises:
-        ConfigError: no equals sign, or an unknown path.
-
-    """
-    path, equals, text = setting.partition("=")
-    path = path.strip()
-    if not equals:
-        raise ConfigError(f"--set {setting!r} has no value; write PATH=VALUE, such as control.impedance.damping=3.0")
-    if path not in PARAMETERS:
-        raise ConfigError(f"--set {unknown_parameter(path)}")
-    try:
-        value = json.loads(text)
-    except ValueError:
-        value = text.strip()
-    return nested({path: value})

@@ -14,7 +14,6 @@ from sim.configurations import (
     merged,
     named_configuration,
     nested,
-    parse_setting,
     read_config_file,
     revised,
 )
@@ -118,35 +117,6 @@ def test_merged_lays_changes_over_and_leaves_the_first_alone():
     tree = {"a": {"b": 1, "c": 2}, "d": 3}
     assert merged(tree, {"a": {"c": 5}, "d": 4}) == {"a": {"b": 1, "c": 5}, "d": 4}
     assert tree == {"a": {"b": 1, "c": 2}, "d": 3}
-
-
-class TestSettings:
-    @pytest.mark.parametrize(
-        ("setting", "value"),
-        [
-            ("control.impedance.damping=3.0", 3.0),
-            ("control.impedance.damping = 3", 3),
-            ("contact.corner=radial", "radial"),
-            ("contact.corner='radial'", "'radial'"),
-            ("simulation.seed=7", 7),
-            ("target.initial_spin=-1e-1", -0.1),
-        ],
-    )
-    def test_are_read_as_json_or_as_a_word(self, setting, value):
-        path = setting.partition("=")[0].strip()
-        assert parse_setting(setting) == nested({path: value})
-
-    def test_without_a_value_are_refused(self):
-        with pytest.raises(ConfigError, match="has no value; write PATH=VALUE"):
-            parse_setting("control.impedance.damping")
-
-    def test_of_an_unknown_path_are_refused_with_the_nearest(self):
-        with pytest.raises(ConfigError, match=r"did you mean control\.impedance\.damping\?"):
-            parse_setting("control.impedence.damping=3")
-
-    def test_are_checked_when_they_are_applied(self):
-        with pytest.raises(ConfigError, match=r"target\.mass = -1: .*greater than 0\.001 \[kg\]"):
-            revised(MissionConfig(), parse_setting("target.mass=-1"))
 
 
 class TestFiles:

@@ -51,14 +51,6 @@ export function plain(value: number): string {
 
 const exponential = (value: number): string => value.toExponential().replace("e+", "e");
 
-/** What a person typed as a number, or null; a comma may be the decimal sign. */
-export function parsed(text: string): number | null {
-  const digits = text.trim().replace(MINUS, "-").replace(",", ".");
-  if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(digits)) return null;
-  const value = Number(digits);
-  return Number.isFinite(value) ? value : null;
-}
-
 /** Mission time as minutes and seconds, `01:23.456`. */
 export function clock(seconds: number, decimals = 3): string {
   const unit = 10 ** decimals;

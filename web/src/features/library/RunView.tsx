@@ -11,7 +11,8 @@ import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun, sendCommand } from "../../api/service";
 import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
-import { clock, fixed, parsed, plain } from "../../units/units";
+import { readNumber } from "../../units/numbers";
+import { clock, fixed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
 import { useReasonAgainstCommanding } from "../control/control";
 import { EventLog } from "../events/EventLog";
@@ -90,7 +91,8 @@ function Fork({ run, doing, player }: { readonly run: Run; readonly doing: Doing
   const { time: shown } = useSyncExternalStore(player.subscribe, player.read);
   const reason = useReasonAgainstCommanding();
   const time = typed ?? fixed(shown, 3);
-  const moment = parsed(time);
+  const read = readNumber(time);
+  const moment = "value" in read ? read.value : null;
   const sound = moment !== null && moment > 0 && moment <= run.duration;
   const fork = () =>
     doing(async () => {

@@ -52,7 +52,8 @@ describe("staged edits", () => {
     expect(meaning(mass, "0", "rad")).toEqual({ error: "must be greater than 0 kg" });
     expect(meaning(damping, "-1", "rad")).toEqual({ error: "must be at least 0 N·s/m" });
     expect(meaning(tilt, "60", "deg")).toEqual({ error: "must be at most 40.10705 °" });
-    expect(meaning(mass, "abc", "rad")).toEqual({ error: "not a number" });
+    expect(meaning(mass, "abc", "rad")).toEqual({ error: '"abc" is not a number; write it as 5, 0.5 or 5e-1' });
+    expect(meaning(mass, "1,000", "rad")).toHaveProperty("error", expect.stringContaining("write 1000 or 1.000"));
     expect(meaning(parameter("simulation.seed", { type: "integer" }), "1.5", "rad")).toEqual({ error: "takes whole numbers" });
     expect(unsoundFields({ [mass.path]: { text: "x", angles: "rad" } }, [mass])).toEqual([mass]);
   });

@@ -1,6 +1,7 @@
 /** Edits that are staged but not yet applied: pure functions from what was typed to what would be sent. */
 import type { Parameter } from "../../api/types";
-import { parsed, plain, shown, type AngleUnit } from "../../units/units";
+import { readNumber, readWhole } from "../../units/numbers";
+import { plain, shown, type AngleUnit } from "../../units/units";
 
 export type Value = number | string;
 
@@ -31,10 +32,9 @@ export function fieldText(parameter: Parameter, value: Value, angles: AngleUnit)
 /** What the field means in SI, or what is wrong with it. */
 export function meaning(parameter: Parameter, text: string, angles: AngleUnit): { value: Value } | { error: string } {
   if (parameter.choices) return { value: text };
-  const typed = parsed(text);
-  if (typed === null) return { error: "not a number" };
-  if (parameter.type === "integer" && !Number.isInteger(typed)) return { error: "takes whole numbers" };
-  const value = typed / shown(parameter.unit, angles).factor;
+  const typed = parameter.type === "integer" ? readWhole(text) : readNumber(text);
+  if ("error" in typed) return typed;
+  const value = typed.value / shown(parameter.unit, angles).factor;
   const broken = brokenBound(parameter, value, angles);
   return broken === null ? { value } : { error: broken };
 }
@@ -125,8 +125,9 @@ export function nested(values: readonly (readonly [string, unknown])[]): Record<
 
 /** The next value for an arrow key: one unit of the second digit, so 0.10 goes to 0.11 and 10 to 11. */
 export function nudged(text: string, direction: 1 | -1): string {
-  const value = parsed(text);
-  if (value === null) return text;
+  const read = readNumber(text);
+  if ("error" in read) return text;
+  const { value } = read;
   const step = value === 0 ? 0.1 : 10 ** (Math.floor(Math.log10(Math.abs(value)) + 1e-9) - 1);
   return plain(value + direction * step);
 }

@@ -1,0 +1,121 @@
+"""What people type on the command line: numbers, and `PATH=VALUE`.
+
+Numbers are read by the grammar of the console's fields (`web/src/units/numbers.ts`); `numbers.cases.json` beside that
+file holds both to it. The decimal sign is a point; where a comma could be one or stand between thousands, nothing is
+guessed.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from enum import StrEnum
+from typing import Any
+
+import click
+
+from sim.config import PARAMETERS
+from sim.configurations import bracketed_unit, nested, unknown_parameter
+from sim.errors import ConfigError
+
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_NEEDLESS_ZERO = re.compile(r"^([+-]?)0+(?=[0-9])")
+_NOT_FINITE = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(e[+-]?[0-9]+)?", re.IGNORECASE)
+_ONE_GROUP = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
+_ENGLISH_THOUSANDS = re.compile(r"[+-]?[0-9]{1,3}(,[0-9]{3})+(\.[0-9]*)?")
+_GERMAN_THOUSANDS = re.compile(r"[+-]?[0-9]{1,3}(\.[0-9]{3})+,[0-9]+")
+
+_MINUS_SIGNS = "\u2010\u2011\u2012\u2013\u2014\u2212\ufe63\uff0d"
+_PLAIN = {
+    **dict.fromkeys(map(ord, _MINUS_SIGNS), "-"),
+    **{0xFF10 + digit: str(digit) for digit in range(10)},
+    **{ord(wide): plain for wide, plain in zip("\uff0b\uff0e\uff0c\uff45\uff25", "+.,ee", strict=True)},
+}
+"""What other keyboards and typesetting make of the characters of a number."""
+
+_POINT = "the decimal sign is a point"
+_THOUSANDS = "nothing separates thousands"
+
+
+def read_number(typed: str) -> float | int:
+    """One number; a whole one if it is written without point and exponent.
+
+    Raises:
+        ConfigError: it is none; the message says what to write instead.
+
+    """
+    text = typed.translate(_PLAIN).strip()
+    if not text:
+        raise ConfigError("a number is missing")
+    if _NOT_FINITE.fullmatch(text):
+        raise ConfigError(f'"{text}" is not a finite number')
+    if not _NUMBER.fullmatch(text):
+        raise ConfigError(_about_commas(text) or f'"{text}" is not a number; write it as 5, 0.5 or 5e-1')
+    if _NEEDLESS_ZERO.search(text):
+        shorter = _NEEDLESS_ZERO.sub(r"\1", text)
+        raise ConfigError(f"write {shorter}, without the zero in front")
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    value = float(text)
+    if math.isinf(value):
+        raise ConfigError(f'"{text}" is too large')
+    if value == 0.0 and re.search("[1-9]", text.lower().partition("e")[0]):
+        raise ConfigError(f'"{text}" is too close to zero')
+    return value
+
+
+def _about_commas(text: str) -> str | None:
+    """What is wrong with commas in a text that is meant as one number; None if nothing is."""
+    if _GERMAN_THOUSANDS.fullmatch(text):
+        return f"write {text.replace('.', '').replace(',', '.')}: {_POINT}, and {_THOUSANDS}"
+    if _ONE_GROUP.fullmatch(text):
+        return f"write {text.replace(',', '')} or {text.replace(',', '.')}: {_POINT}, and {_THOUSANDS}"
+    if _DECIMAL_COMMA.fullmatch(text):
+        pointed = re.sub(r"^([+-]?)[.]", r"\g<1>0.", text.replace(",", "."))
+        return f"write {pointed}: {_POINT}"
+    if _ENGLISH_THOUSANDS.fullmatch(text):
+        return f"write {text.replace(',', '')}: {_THOUSANDS}"
+    return None
+
+
+def parse_setting(setting: str) -> dict[str, Any]:
+    """`PATH=VALUE`, as `--set` takes it, to the nested mapping of one change.
+
+    Raises:
+        ConfigError: no equals sign, an unknown path, or no number where one belongs.
+
+    """
+    path, equals, text = setting.partition("=")
+    path = path.strip()
+    if not equals:
+        raise ConfigError(f"--set {setting!r} has no value; write PATH=VALUE, such as control.impedance.damping=3.0")
+    if path not in PARAMETERS:
+        raise ConfigError(f"--set {unknown_parameter(path)}")
+    return nested({path: _value(path, text)})
+
+
+def _value(path: str, text: str) -> float | int | str:
+    """The text as that parameter takes it."""
+    kind: Any = PARAMETERS[path].annotation
+    if isinstance(kind, type) and issubclass(kind, StrEnum):
+        return text.strip().strip("\"'")
+    try:
+        value = read_number(text)
+    except ConfigError as error:
+        raise ConfigError(f"--set {path} = {text!r}: {error}{bracketed_unit(path)}") from None
+    return int(value) if kind is int and value == int(value) else value
+
+
+class NumberOption(click.ParamType):
+    """An option's value that is a number as people type it."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number; a default that is one already is left as it is."""
+        try:
+            return float(read_number(value)) if isinstance(value, str) else float(value)
+        except ConfigError as error:
+            self.fail(f"{value!r}: {error}", param, ctx)
