@@ -17,7 +17,7 @@ import click
 
 from becalm.setting_options import setting_options
 from becalm.tokens import token
-from becalm.typed import NumberOption, parse_setting
+from becalm.typed import number_option, parse_setting
 from server.settings import Settings, choose
 from server.versions import becalm_version
 from sim.configurations import (
@@ -375,8 +375,8 @@ def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_js
 @_configured
 @click.option("--imperfection", "imperfect", metavar="NAME=VALUE", multiple=True, help="Of sensors or table.")
 @click.option("--fault", "faults", metavar="NAME=VALUE[@S]", multiple=True, help="What goes wrong, and when.")
-@click.option("--deadline", type=NumberOption(), default=0.1, show_default=True, help="Of heartbeat and commands [s].")
-@click.option("--clock-offset", type=NumberOption(), default=0.0, help="How far its clock is ahead [s].  [default: 0]")
+@click.option("--deadline", type=number_option, default=0.1, show_default=True, help="Of heartbeat and commands [s].")
+@click.option("--clock-offset", type=number_option, default=0.0, help="How far its clock is ahead [s].  [default: 0]")
 @click.option("--realtime", is_flag=True, help="Let the system run it before other processes (Linux, if it may).")
 @click.option("--users", type=click.Path(path_type=Path), help="Who may connect: a file of lines user:password.")
 @click.option("--user", help="Name by which it connects to a router.")

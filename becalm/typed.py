@@ -108,14 +108,14 @@ def _value(path: str, text: str) -> float | int | str:
     return int(value) if kind is int and value == int(value) else value
 
 
-class NumberOption(click.ParamType):
-    """An option's value that is a number as people type it."""
+def number_option(typed: str | float) -> float:
+    """The value of an option that is a number, as people type it.
 
-    name = "number"
+    Raises:
+        click.BadParameter: it is none; the message says what to write instead.
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number; a default that is one already is left as it is."""
-        try:
-            return float(read_number(value)) if isinstance(value, str) else float(value)
-        except ConfigError as error:
-            self.fail(f"{value!r}: {error}", param, ctx)
+    """
+    try:
+        return float(read_number(typed)) if isinstance(typed, str) else typed
+    except ConfigError as error:
+        raise click.BadParameter(f"{typed!r}: {error}") from None

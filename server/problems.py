@@ -68,14 +68,19 @@ class DataFolderInUse(CaptureError):
 class ConfirmationNeeded(CaptureError):
     """A study so large that whoever starts it must say that it is meant."""
 
-    def __init__(self, cells: int, estimated_time: float) -> None:
+    def __init__(self, cells: int, estimated_time: float | None) -> None:
+        duration = (
+            "; how long they take is not known"
+            if estimated_time is None
+            else f", which take about {in_words(estimated_time)}"
+        )
         super().__init__(
-            f"the study has {cells} cells, which take about {in_words(estimated_time)}",
+            f"the study has {cells} cells{duration}",
             tip='send the same request with "confirm": true, or make the study smaller',
         )
         self.cells = cells
         self.estimated_time = estimated_time
-        """Wall time [s]."""
+        """Wall time [s]; None if it could not be measured."""
 
 
 class AddressInUse(CaptureError):

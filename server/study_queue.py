@@ -18,14 +18,18 @@ from typing import NamedTuple
 from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
 from server.run_folder import wall_clock
 from server.studies import StudyRecord, StudyStatus, StudyStore
+from server.study_estimates import StudyEstimates
 from sim.errors import CaptureError
 from sim.study.design import Study
 from sim.study.executors import LocalProcesses, OpenExecutor, Workers, WorkersUnavailable
-from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time
+from sim.study.flight import MANY_CELLS, TRIAL_CELLS, Flight, Progress
 from sim.study.table import StudyTable
 
 CAPACITY = 16
 """Studies that may wait."""
+
+ESTIMATE_PATIENCE = 20.0
+"""Whoever starts a very large study is told how long it takes, if that can be measured within this time [s]."""
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +43,21 @@ class _Flying(NamedTuple):
     """None until its table is open."""
 
 
+class Estimate(NamedTuple):
+    """How long a study would take, if it were started now."""
+
+    seconds: float | None
+    """Wall time to fly it [s]; None while that is measured, or if it cannot be."""
+    measuring: bool
+    """Whether the time is being measured."""
+    basis: str
+    """What the time follows from, or why there is none."""
+    age: float | None
+    """How long ago that was measured [s]."""
+    studies_before: int
+    """Studies that fly or wait now."""
+
+
 class StudyQueue:
     """The studies that wait, and the thread that flies them one by one."""
 
@@ -46,6 +65,8 @@ class StudyQueue:
         """`find_workers` is called for every study: a cluster need not be there before."""
         self._store = store
         self._find_workers = find_workers
+        self._estimates = StudyEstimates(find_workers)
+        self._one_waits = threading.Lock()
         self._waiting: deque[str] = deque()
         self._flying: _Flying | None = None
         self._changed = threading.Condition()
@@ -75,6 +96,7 @@ class StudyQueue:
             if self._flying is not None:
                 self._flying.cancelled.set()
             self._changed.notify()
+        self._estimates.shutdown()
         self._thread.join(patience)
         if self._thread.is_alive() and isinstance(self._executor, LocalProcesses):
             self._executor.kill()
@@ -86,11 +108,10 @@ class StudyQueue:
         Raises:
             ConfirmationNeeded: it has more than `MANY_CELLS` cells, and nobody said that this is meant.
             ServiceBusy: too many wait already.
-            WorkersUnavailable: nothing can tell how long so large a study takes.
 
         """
         if study.count > MANY_CELLS and not confirmed:
-            raise ConfirmationNeeded(study.count, flight_time(study, study.count, self._find_workers()))
+            raise ConfirmationNeeded(study.count, self._time_of(study))
         with self._changed:
             self._require_room()
             record = self._store.create(study)
@@ -153,6 +174,31 @@ class StudyQueue:
         if flying is not None and flying.flight is not None and flying.study_id == record.id:
             return flying.flight.progress
         return Progress(done=record.done, total=record.cells, wall_time=record.wall_time)
+
+    def estimate(self, study: Study) -> Estimate:
+        """How long that study would take now; answered at once, also while that is being measured."""
+        flying = self._flying
+        before = len(self._waiting) + (flying is not None)
+        pace = flying.flight.progress.cells_per_second if flying is not None and flying.flight is not None else None
+        if pace:
+            return Estimate(study.count / pace, False, "the pace of the study that flies now", 0.0, before)
+        known = self._estimates.ask(study)
+        if known is None:
+            return Estimate(None, True, f"{TRIAL_CELLS} of its cells, flown now", None, before)
+        if known.seconds is None:
+            return Estimate(None, False, known.words, known.age, before)
+        basis = f"{min(TRIAL_CELLS, study.count)} of its cells, flown by {known.words}"
+        return Estimate(known.seconds * study.count, False, basis, known.age, before)
+
+    def _time_of(self, study: Study) -> float | None:
+        """The same as soon as it is known [s]; None if that takes too long, cannot be measured, or somebody waits."""
+        if not self._one_waits.acquire(blocking=False):
+            return None
+        try:
+            known = self._estimates.wait(study, ESTIMATE_PATIENCE)
+        finally:
+            self._one_waits.release()
+        return None if known is None or known.seconds is None else known.seconds * study.count
 
     def _require_room(self) -> None:
         if len(self._waiting) >= CAPACITY:

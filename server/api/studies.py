@@ -24,7 +24,7 @@ from sim.config import PARAMETERS
 from sim.study.axes import Distribution, SampleMethod, Value
 from sim.study.design import Study, altered, configured, study_of
 from sim.study.export import TableFormat, export
-from sim.study.flight import Progress
+from sim.study.flight import MANY_CELLS, Progress
 from sim.study.published import (
     DAMPING,
     MASS,
@@ -42,6 +42,9 @@ router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422)
 
 StudyId = Annotated[str, Path(description="Identifier of a study", examples=["20261125T103000123-4f9a2c"])]
 CellIndex = Annotated[int, Path(ge=0, description="Place of a cell in the study, from 0")]
+
+LONG_AXIS = 200
+"""Values of an axis that an estimate lists; of more it lists the first and the last."""
 
 MEDIA_TYPES: dict[TableFormat, str] = {
     TableFormat.CSV: "text/csv; charset=utf-8",
@@ -100,8 +103,29 @@ class StudyAxis(BaseModel):
     path: str
     unit: str
     description: str
+    count: int | None = Field(description="How many values it has on the grid; null if it is drawn")
     values: list[Value] | None = Field(description="On the grid, in their order; null if it is drawn")
     drawn_from: Distribution | None = Field(description="Of a sample; null on the grid")
+
+    def shortened(self) -> StudyAxis:
+        """The same, of a long axis the first and the last values only."""
+        if self.values is None or len(self.values) <= LONG_AXIS:
+            return self
+        half = LONG_AXIS // 2
+        return self.model_copy(update={"values": [*self.values[:half], *self.values[-half:]]})
+
+
+class StudyEstimate(BaseModel):
+    """What a study would be, if it were started now."""
+
+    cells: int
+    axes: list[StudyAxis] = Field(description="What varies, with every value of the grid's axes that are not too long")
+    seconds: float | None = Field(description="To fly it, wall time [s]; null while that is measured, or cannot be")
+    measuring: bool = Field(description="The time is being measured: ask again in a second")
+    basis: str = Field(description="What the time follows from, or why there is none")
+    age: float | None = Field(description="How long ago that was measured [s]")
+    studies_before: int = Field(description="Studies that fly or wait now, and come first")
+    confirmation_needed: bool = Field(description="So many cells are flown only if that is confirmed")
 
 
 class StudyColumn(BaseModel):
@@ -159,11 +183,26 @@ class PublishedTables(BaseModel):
 @router.post("", status_code=202, responses=responses(409, 503, 507))
 def start_study(services: ServicesDep, body: StudyRequest, response: Response) -> StudyDetail:
     """Queue a study. One of more than 10 000 cells is refused (409) with the time it takes until it is confirmed."""
-    chosen = named_study(body.study) if isinstance(body.study, str) else study_of(body.study)
+    of = _requested(body)
     services.disk.require_room()
-    record = services.study_queue.add(altered(chosen, body.changes, body.seed), confirmed=body.confirm)
+    record = services.study_queue.add(of, confirmed=body.confirm)
     response.headers["Location"] = f"/api/v1/studies/{record.id}"
     return _detail(services, record)
+
+
+@router.post("/estimate")
+def estimate_study(services: ServicesDep, body: StudyRequest) -> StudyEstimate:
+    """How many cells a study has and how long it would take, by some of its cells flown now; nothing is started.
+
+    Answered at once: while the time is measured it is null. One study is measured at a time, the one asked for last.
+    """
+    of = _requested(body)
+    return StudyEstimate(
+        cells=of.count,
+        axes=[axis.shortened() for axis in _axes(of)],
+        **services.study_queue.estimate(of)._asdict(),
+        confirmation_needed=of.count > MANY_CELLS,
+    )
 
 
 @router.get("")
@@ -269,6 +308,12 @@ def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, respons
     return run_of(services.store.read(record.id))
 
 
+def _requested(body: StudyRequest) -> Study:
+    """The study that somebody asks for."""
+    chosen = named_study(body.study) if isinstance(body.study, str) else study_of(body.study)
+    return altered(chosen, body.changes, body.seed)
+
+
 def _summary(services: Services, record: StudyRecord) -> StudySummary:
     shared = record.model_dump(include=set(StudySummary.model_fields))
     return StudySummary(**shared, progress=services.study_queue.progress(record))
@@ -299,6 +344,7 @@ def _axes(of: Study) -> list[StudyAxis]:
             path=path,
             unit=PARAMETERS[path].json_schema_extra["unit"],
             description=PARAMETERS[path].description,
+            count=len(of.levels[path]) if path in of.levels else None,
             values=list(of.levels[path]) if path in of.levels else None,
             drawn_from=drawn.get(path),
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from concurrent.futures import wait as wait_for
 
 import numpy as np
 from pydantic import Field
@@ -92,16 +94,32 @@ class Flight:
             yield CellTask(study.base, study.direct, study.cell(index))
 
 
-def flight_time(study: Study, cells: int, workers: Workers) -> float:
-    """How long so many cells of a study take these workers [s], by some spread over it, flown and forgotten."""
+def cell_time(study: Study, executor: Executor, workers: int) -> float:
+    """Wall time that one more cell of a study takes [s], by some spread over it, flown at once and forgotten.
+
+    Args:
+        study: what would be flown.
+        executor: what flies it; its workers start, and load what is compiled, before the time is taken.
+        workers: cells that it flies at a time.
+
+    Raises:
+        BrokenExecutor: a worker died.
+
+    """
     places = np.unique(np.linspace(0, study.count - 1, TRIAL_CELLS).astype(np.int64))
     tasks = [CellTask(study.base, study.direct, study.cell(int(place))) for place in places]
+    at_once = min(workers, len(tasks))
+    wait_for([executor.submit(fly_cell, tasks[0]) for _ in range(at_once)])
+    before = time.perf_counter()
+    for future in [executor.submit(fly_cell, task) for task in tasks]:
+        future.result()
+    return (time.perf_counter() - before) / len(tasks) * at_once / workers
+
+
+def flight_time(study: Study, cells: int, workers: Workers) -> float:
+    """How long so many cells of a study take these workers now [s], by a trial."""
     with workers.open_executor() as executor:
-        executor.submit(fly_cell, tasks[0]).result()  # the worker starts, and loads what is compiled
-        before = time.perf_counter()
-        for task in tasks:
-            executor.submit(fly_cell, task).result()
-        return (time.perf_counter() - before) / len(tasks) * cells / workers.count
+        return cell_time(study, executor, workers.count) * cells
 
 
 def in_words(duration: float) -> str:

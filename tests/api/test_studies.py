@@ -158,6 +158,27 @@ async def test_a_study_of_very_many_cells_must_be_meant(console, monkeypatch):
     await started(console, GRID, confirm=True)
 
 
+async def test_a_study_is_estimated_and_nothing_is_started(console):
+    estimate = (await console.http.post("/studies/estimate", json={"study": GRID})).json()
+    assert (estimate["cells"], estimate["confirmation_needed"], estimate["studies_before"]) == (4, False, 0)
+    assert [axis["count"] for axis in estimate["axes"]] == [1, 2, 2]
+    async with asyncio.timeout(PATIENCE):
+        while estimate["measuring"]:
+            await asyncio.sleep(0.05)
+            estimate = (await console.http.post("/studies/estimate", json={"study": GRID})).json()
+    assert estimate["seconds"] > 0.0
+    assert "4 of its cells, flown by" in estimate["basis"]
+    long = {"grid": {"control.impedance.damping": {"from": 0.0, "to": 10.0, "count": 1_000_000}}}
+    estimate = (await console.http.post("/studies/estimate", json={"study": long})).json()
+    assert (estimate["cells"], estimate["confirmation_needed"], len(estimate["axes"][0]["values"])) == (
+        1_000_000,
+        True,
+        200,
+    )
+    assert (await console.http.post("/studies/estimate", json={"study": {}})).status_code == 422
+    assert (await console.http.get("/studies")).json()["studies"] == []
+
+
 @pytest.mark.parametrize(
     ("body", "words"),
     [

@@ -27,6 +27,7 @@ import type {
   SceneView,
   Session,
   StudyDetail,
+  StudyEstimate,
   StudyPage,
   StudyRequest,
   StudyRowPage,
@@ -167,6 +168,10 @@ export const readRows = (id: string, after: number): Promise<StudyRowPage> =>
 
 export const startStudy = (request: StudyRequest): Promise<StudyDetail> =>
   bodyOf(client.POST("/api/v1/studies", { body: request, ...within(LONG_ANSWER_TIME) }));
+
+/** How many cells a study has, and how long it would take; nothing is started. */
+export const estimateStudy = (request: StudyRequest): Promise<StudyEstimate> =>
+  bodyOf(client.POST("/api/v1/studies/estimate", { body: request, ...within(ANSWER_TIME) }));
 
 export const cancelStudy = (id: string): Promise<StudyDetail> =>
   bodyOf(client.POST("/api/v1/studies/{study_id}/cancel", { params: { path: { study_id: id } }, ...within(ANSWER_TIME) }));

@@ -42,6 +42,7 @@ export type StudyPage = Answer<paths["/api/v1/studies"]["get"]>;
 export type StudySummary = StudyPage["studies"][number];
 export type StudyDetail = Answer<paths["/api/v1/studies/{study_id}"]["get"]>;
 export type StudyRequest = Request<paths["/api/v1/studies"]["post"]>;
+export type StudyEstimate = Answer<paths["/api/v1/studies/estimate"]["post"]>;
 export type StudyRowPage = Answer<paths["/api/v1/studies/{study_id}/rows"]["get"]>;
 export type StudyRow = StudyRowPage["rows"][number];
 export type PublishedTables = Answer<paths["/api/v1/studies/published/tables"]["get"]>;

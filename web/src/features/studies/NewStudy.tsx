@@ -1,27 +1,19 @@
 /** The form that starts a study: the paper's, or one's own. */
 import { Button, Checkbox, NativeSelect, TextInput } from "@mantine/core";
-import { useId, useState } from "react";
+import { useEffect, useId, useState } from "react";
 import { Panel } from "../../app/Panel";
 import { Refusal } from "../../api/refusal";
-import { startStudy } from "../../api/service";
-import type { StudyRequest } from "../../api/types";
+import { readNamedConfigurations, startStudy } from "../../api/service";
+import type { StudyEstimate, StudyRequest } from "../../api/types";
 import { useConfiguration } from "../../store/configuration";
 import { Icon } from "../../theme/Icon";
-import { DraftError, EMPTY_DRAFT, requestOf, type StudyDraft } from "./definition";
+import { useReasonByRole } from "../access/session";
+import { EMPTY_DRAFT, readDraft, type DraftRead, type StudyDraft } from "./definition";
 import styles from "./StudiesPage.module.css";
+import { useEstimate } from "./use-estimate";
+import { estimateWords, valuesWords } from "./words";
 
-interface Trouble {
-  readonly words: string;
-  readonly tip: string;
-  /** Set where the service only wants to know whether so large a study is meant. */
-  readonly confirm: boolean;
-}
-
-const troubleOf = (cause: unknown): Trouble => {
-  if (cause instanceof Refusal) return { words: cause.message, tip: cause.tip, confirm: cause.tip.includes('"confirm"') };
-  if (cause instanceof DraftError) return { words: cause.message, tip: "", confirm: false };
-  throw cause;
-};
+const PUBLISHED: StudyRequest = { study: "published", changes: {}, confirm: false };
 
 function Paths({ id }: { readonly id: string }) {
   const { parameters } = useConfiguration();
@@ -34,40 +26,58 @@ function Paths({ id }: { readonly id: string }) {
   );
 }
 
+/** The named configurations of the service; while it has not said them, the one that is chosen. */
+function useConfigurations(chosen: string): readonly string[] {
+  const [names, setNames] = useState<readonly string[]>([]);
+  useEffect(() => {
+    readNamedConfigurations().then((all) => { setNames(all.map(({ name }) => name)); }, () => undefined);
+  }, []);
+  return names.includes(chosen) ? names : [chosen, ...names];
+}
+
 interface LinesProps<Line> {
   readonly title: string;
+  readonly kind: "grid" | "draws";
   readonly hint: string;
   readonly lines: readonly Line[];
   readonly fields: readonly [keyof Line & string, string][];
   readonly paths: string;
   readonly fresh: Line;
   readonly onChange: (lines: readonly Line[]) => void;
+  readonly read: DraftRead;
+  readonly estimate: StudyEstimate | null;
 }
 
-function Lines<Line extends { readonly path: string }>({ title, hint, lines, fields, paths, fresh, onChange }: LinesProps<Line>) {
+function Lines<Line extends { readonly path: string }>({ title, kind, hint, lines, fields, paths, fresh, onChange, read, estimate }: LinesProps<Line>) {
   return (
     <fieldset className={styles.lines}>
       <legend>{title}</legend>
-      {lines.map((line, place) => (
-        <div key={place} className={styles.line}>
-          {fields.map(([field, label]) => (
-            <TextInput
-              key={field}
-              aria-label={`${title}, ${label} ${place + 1}`}
-              placeholder={label}
-              list={field === "path" ? paths : undefined}
-              value={String(line[field])}
-              onChange={(event) => {
-                const value = event.currentTarget.value;
-                onChange(lines.map((each, at) => (at === place ? { ...each, [field]: value } : each)));
-              }}
-            />
-          ))}
-          <Button aria-label={`Remove line ${place + 1} of ${title}`} onClick={() => { onChange(lines.filter((_, at) => at !== place)); }}>
-            <Icon sign="cross" size={10} />
-          </Button>
-        </div>
-      ))}
+      {lines.map((line, place) => {
+        const fault = read.faults.get(`${kind} ${place}`);
+        const axis = estimate?.axes.find(({ path }) => path === line.path.trim());
+        return (
+          <div key={place} className={styles.line}>
+            {fields.map(([field, label]) => (
+              <TextInput
+                key={field}
+                aria-label={`${title}, ${label} ${place + 1}`}
+                placeholder={label}
+                list={field === "path" ? paths : undefined}
+                value={String(line[field])}
+                error={fault !== undefined && field !== "path"}
+                onChange={(event) => {
+                  const value = event.currentTarget.value;
+                  onChange(lines.map((each, at) => (at === place ? { ...each, [field]: value } : each)));
+                }}
+              />
+            ))}
+            <Button aria-label={`Remove line ${place + 1} of ${title}`} onClick={() => { onChange(lines.filter((_, at) => at !== place)); }}>
+              <Icon sign="cross" size={10} />
+            </Button>
+            {fault !== undefined ? <p className={styles.fault}>{fault}</p> : axis?.values && <p className={styles.understood}>{valuesWords(axis)}</p>}
+          </div>
+        );
+      })}
       <div className={styles.more}>
         <span>{hint}</span>
         <Button onClick={() => { onChange([...lines, fresh]); }}>Add</Button>
@@ -82,76 +92,95 @@ const METHODS = [
   { value: "random", label: "Independent" },
 ];
 
-function Form({ draft, change }: { readonly draft: StudyDraft; readonly change: (part: Partial<StudyDraft>) => void }) {
+interface FormProps {
+  readonly draft: StudyDraft;
+  readonly change: (part: Partial<StudyDraft>) => void;
+  readonly read: DraftRead;
+  readonly estimate: StudyEstimate | null;
+}
+
+function Form({ draft, change, read, estimate }: FormProps) {
   const paths = useId();
+  const configurations = useConfigurations(draft.configuration);
   return (
     <>
       <Paths id={paths} />
-      <TextInput label="Name" placeholder="study" value={draft.name} onChange={(event) => { change({ name: event.currentTarget.value }); }} />
-      <NativeSelect label="Configuration" value={draft.configuration} data={["published", "published_figures", "as_printed"]} onChange={(event) => { change({ configuration: event.currentTarget.value }); }} />
-      <Lines title="Grid" hint="0.1, 0.2 or 0 .. 6 by 1.5 or 0 .. 6 in 5" lines={draft.grid} fields={[["path", "parameter"], ["values", "values"]]} paths={paths} fresh={{ path: "", values: "" }} onChange={(grid) => { change({ grid }); }} />
-      <Lines title="Draws" hint="0.5 .. 1.5 or 2.35 ± 0.1" lines={draft.draws} fields={[["path", "parameter"], ["distribution", "distribution"]]} paths={paths} fresh={{ path: "", distribution: "" }} onChange={(draws) => { change({ draws }); }} />
+      <TextInput label="Name" placeholder="study" maxLength={200} value={draft.name} onChange={(event) => { change({ name: event.currentTarget.value }); }} />
+      <NativeSelect label="Configuration" value={draft.configuration} data={[...configurations]} onChange={(event) => { change({ configuration: event.currentTarget.value }); }} />
+      <Lines title="Grid" kind="grid" hint="0.1, 0.2 or 0 .. 6 by 1.5 or 0 .. 6 in 5" lines={draft.grid} fields={[["path", "parameter"], ["values", "values"]]} paths={paths} fresh={{ path: "", values: "" }} onChange={(grid) => { change({ grid }); }} read={read} estimate={estimate} />
+      <Lines title="Draws" kind="draws" hint="0.5 .. 1.5 or 2.35 ± 0.1" lines={draft.draws} fields={[["path", "parameter"], ["distribution", "distribution"]]} paths={paths} fresh={{ path: "", distribution: "" }} onChange={(draws) => { change({ draws }); }} read={read} estimate={estimate} />
       {draft.draws.length > 0 && (
         <div className={styles.pair}>
-          <TextInput label="Draws of each" value={draft.count} onChange={(event) => { change({ count: event.currentTarget.value }); }} />
+          <TextInput label="Draws of each" value={draft.count} error={read.faults.get("count")} onChange={(event) => { change({ count: event.currentTarget.value }); }} />
           <NativeSelect label="Spread" value={draft.method} data={METHODS} onChange={(event) => { change({ method: event.currentTarget.value }); }} />
         </div>
       )}
       <div className={styles.pair}>
-        <TextInput label="Seed" value={draft.seed} onChange={(event) => { change({ seed: event.currentTarget.value }); }} />
+        <TextInput label="Seed" value={draft.seed} error={read.faults.get("seed")} onChange={(event) => { change({ seed: event.currentTarget.value }); }} />
         <Checkbox size="xs" label="Direct caging" checked={draft.direct} onChange={(event) => { change({ direct: event.currentTarget.checked }); }} />
       </div>
     </>
   );
 }
 
-export function NewStudy({ onStarted }: { readonly onStarted: (id: string) => void }) {
-  const [draft, setDraft] = useState(EMPTY_DRAFT);
-  const [own, setOwn] = useState(false);
+/** What would be started, how long it takes, and the button that starts it. */
+function Start({ request, faults, estimate, refusal, onStarted }: {
+  readonly request: StudyRequest | null;
+  readonly faults: number;
+  readonly estimate: StudyEstimate | null;
+  readonly refusal: Refusal | null;
+  readonly onStarted: (id: string) => void;
+}) {
   const [busy, setBusy] = useState(false);
-  const [trouble, setTrouble] = useState<Trouble | null>(null);
-
-  const start = async (request: () => StudyRequest): Promise<void> => {
+  const [refused, setRefused] = useState<{ readonly by: Refusal; readonly request: StudyRequest } | null>(null);
+  const against = useReasonByRole("operator");
+  const start = async (wanted: StudyRequest): Promise<void> => {
     setBusy(true);
-    setTrouble(null);
+    setRefused(null);
     try {
-      onStarted((await startStudy(request())).id);
+      onStarted((await startStudy(wanted)).id);
     } catch (cause) {
-      setTrouble(troubleOf(cause));
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefused({ by: cause, request: wanted });
     } finally {
       setBusy(false);
     }
   };
+  const trouble = (refused?.request.study === request?.study ? refused?.by : null) ?? refusal;
+  const words = request === null ? `${faults === 1 ? "One thing" : `${faults} things`} to correct first.` : estimate === null ? "Asking the service how long it takes." : estimateWords(estimate);
+  return (
+    <>
+      {trouble === null && <p className={styles.estimate} role="status">{words}</p>}
+      {trouble && (
+        <div className={styles.trouble} role="alert">
+          <Icon sign="error" /> <strong>{trouble.message}</strong> <span>{trouble.tip.includes('"confirm"') ? "" : trouble.tip}</span>
+        </div>
+      )}
+      <Button variant="filled" disabled={busy || request === null || against !== null} title={against ?? undefined} onClick={() => { if (request !== null) void start({ ...request, confirm: estimate?.confirmation_needed ?? false }); }}>
+        {busy ? "Asking the service" : estimate?.confirmation_needed ? "Start it all the same" : "Start"}
+      </Button>
+    </>
+  );
+}
 
+export function NewStudy({ onStarted }: { readonly onStarted: (id: string) => void }) {
+  const [draft, setDraft] = useState(EMPTY_DRAFT);
+  const [open, setOpen] = useState<"published" | "own" | null>(null);
+  const own = readDraft(draft);
+  const request = open === "published" ? PUBLISHED : open === "own" ? own.request : null;
+  const { estimate, refusal } = useEstimate(request);
+  const toggle = (which: "published" | "own") => () => { setOpen(open === which ? null : which); };
   return (
     <Panel title="New study">
       <div className={styles.form}>
-        <Button variant="filled" disabled={busy} onClick={() => void start(() => ({ study: "published", changes: {}, confirm: false }))}>
+        <Button variant={open === null ? "filled" : "default"} aria-expanded={open === "published"} onClick={toggle("published")}>
           The paper&apos;s 484 cells
         </Button>
-        <Button aria-expanded={own} onClick={() => { setOwn(!own); }}>
+        <Button aria-expanded={open === "own"} onClick={toggle("own")}>
           A study of my own
         </Button>
-        {own && (
-          <>
-            <Form draft={draft} change={(part) => { setDraft({ ...draft, ...part }); }} />
-            <Button variant="filled" disabled={busy} onClick={() => void start(() => requestOf(draft, false))}>
-              {busy ? "Asking the service" : "Start"}
-            </Button>
-          </>
-        )}
-        {trouble && (
-          <div className={styles.trouble} role="alert">
-            <Icon sign="error" /> <strong>{trouble.words}</strong>
-            {trouble.confirm ? (
-              <Button disabled={busy} onClick={() => void start(() => requestOf(draft, true))}>
-                Start it all the same
-              </Button>
-            ) : (
-              <span>{trouble.tip}</span>
-            )}
-          </div>
-        )}
+        {open === "own" && <Form draft={draft} change={(part) => { setDraft({ ...draft, ...part }); }} read={own} estimate={estimate} />}
+        {open !== null && <Start request={request} faults={own.faults.size} estimate={estimate} refusal={refusal} onStarted={(id) => { setOpen(null); onStarted(id); }} />}
       </div>
     </Panel>
   );

@@ -16,12 +16,7 @@ import styles from "./StudiesPage.module.css";
 import { StudyResults } from "./StudyResults";
 import { StudyView } from "./StudyView";
 import { isUnderWay, useStudies, useStudy } from "./use-study";
-
-function span(seconds: number): string {
-  const minutes = Math.floor(seconds / 60);
-  if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
-  return minutes > 0 ? `${minutes} min ${Math.round(seconds % 60)} s` : `${Math.ceil(seconds)} s`;
-}
+import { span } from "./words";
 
 function progressWords({ status, progress, note }: StudySummary): string {
   const cells = `${progress.done} of ${progress.total} cells`;
@@ -99,7 +94,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
         <EmptyPage
           label="No study chosen"
           title={missing?.message ?? "What would happen if …?"}
-          words={missing?.tip ?? "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: in about a minute its map stands beside the published one, and every cell opens as a flight in the scene."}
+          words={missing?.tip ?? "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: their map fills beside the published one, and every cell opens as a flight in the scene."}
         />
       ) : (
         <>

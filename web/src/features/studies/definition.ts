@@ -130,7 +130,7 @@ function faultsOf(draft: StudyDraft, lines: readonly Line[]): Map<Place, string>
     if (fault !== null) faults.set(line.place, fault);
   });
   if (lines.length === 0) faults.set("lines", "the study varies nothing yet; name a parameter and its values");
-  const numbers: [Place, string][] = [["seed", draft.seed], ...(lines.some(isDrawn) ? ([["count", draft.count]] as [Place, string][]) : [])];
+  const numbers: [Place, string][] = [["seed", draft.seed], ...(lines.some(isDrawn) ? [["count", draft.count] as [Place, string]] : [])];
   for (const [place, text] of numbers) {
     const read = readWhole(text);
     if ("error" in read) faults.set(place, read.error);
@@ -164,7 +164,7 @@ export function readDraft(draft: StudyDraft, confirm = false): DraftRead {
     grid: byPath(lines.filter((line) => !isDrawn(line))),
     ...(Object.keys(over).length > 0 ? { samples } : {}),
   };
-  return { request: { study, changes: {}, seed: valueOf(readWhole(draft.seed)), confirm } as StudyRequest, faults };
+  return { request: { study, changes: {}, seed: valueOf(readWhole(draft.seed)), confirm }, faults };
 }
 
 /** Settings by full path as the nested changes that the service takes. */
