@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 
 import click
 import uvicorn
+from fastapi import FastAPI
 
 from becalm.sockets import bound_socket
 from server.api.services import Services
@@ -42,16 +43,21 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     with bound_socket(settings.host, settings.port) as bound:
         url = address(settings.host, bound.getsockname()[1])
         with owned(settings.data_dir, url), _logging(services):
-            config = uvicorn.Config(
-                app,
-                log_config=None,
-                log_level="warning",
-                **SOCKET_OPTIONS,
-                timeout_graceful_shutdown=SHUTDOWN_TIME,
-            )
-            server = _Server(config, lambda: _announce(url, open_page=open_page), services.loop.end_soon)
+            server = _Server(server_config(app), lambda: _announce(url, open_page=open_page), services.loop.end_soon)
             with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
                 server.run(sockets=[bound])
+
+
+def server_config(app: FastAPI) -> uvicorn.Config:
+    """How the service is served."""
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        log_level="warning",
+        proxy_headers=False,  # the application itself knows which proxies it trusts
+        **SOCKET_OPTIONS,
+        timeout_graceful_shutdown=SHUTDOWN_TIME,
+    )
 
 
 @contextlib.contextmanager

@@ -10,10 +10,12 @@ from typing import Any
 
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from server import scene_proxy
 from server.access.attempts import Attempts
 from server.access.audit import AuditLog
+from server.access.cookie import SessionCookie
 from server.access.guard import Access, Guard
 from server.access.headers import SecurityHeaders
 from server.access.tokens import TokenStore
@@ -131,9 +133,10 @@ def create_app(settings: Settings) -> FastAPI:
     problem_json.install(app)
     app.add_middleware(JsonBodies)
     app.add_middleware(Guard, access=access)
-    app.add_middleware(SameOrigin, hosts=settings.own_hosts())
+    app.add_middleware(SameOrigin, hosts=settings.own_hosts(), audit=access.audit)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(ForwardedPrefix)
+    app.add_middleware(ProxyHeadersMiddleware, trusted_hosts=list(settings.trusted_proxies))
     _route(app)
     return app
 
@@ -164,7 +167,7 @@ def _access(settings: Settings) -> Access:
             f"host = {settings.host!r}: the service asks for tokens there, and nobody has one",
             tip="becalm token create NAME --role admin makes one; BECALM_REQUIRE_TOKENS=false lets everyone in",
         )
-    return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"))
+    return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"), SessionCookie(folder))
 
 
 def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:

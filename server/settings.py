@@ -6,6 +6,7 @@ Options win over the environment, which wins over the file, which wins over the 
 
 from __future__ import annotations
 
+import ipaddress
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any, Literal, NamedTuple
 from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from server.access.authority import host_name
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised
 from sim.errors import ConfigError
@@ -94,14 +96,36 @@ class Settings(BaseModel):
         (), description="Host names that requests may use; empty: loopback's on loopback, any elsewhere"
     )
 
+    trusted_proxies: tuple[str, ...] = Field(
+        (),
+        description="Addresses or networks of reverse proxies that are believed where a request comes from"
+        " (X-Forwarded-For, X-Forwarded-Proto); none: nobody is",
+    )
+
     log_format: Literal["text", "json"] = Field("text", description="Of the service's log, on standard error")
     log_level: LogLevel = Field("warning", description="The least severe lines of the service's log")
 
-    @field_validator("allowed_hosts", "connect", "link_listen", mode="before")
+    @field_validator("allowed_hosts", "trusted_proxies", "connect", "link_listen", mode="before")
     @classmethod
     def _listed(cls, names: object) -> object:
         """Names separated by commas are a list."""
         return tuple(name.strip() for name in names.split(",") if name.strip()) if isinstance(names, str) else names
+
+    @field_validator("allowed_hosts")
+    @classmethod
+    def _hosts_are_names(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        """As requests name them: in lower case, without a final dot."""
+        hosts = {name: host_name(name) for name in names}
+        if strange := [name for name, host in hosts.items() if host is None]:
+            raise ValueError(f"{strange[0]!r} is no host name; write it without scheme, port and path")
+        return tuple(host for host in hosts.values() if host is not None)
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _proxies_are_addresses(cls, proxies: tuple[str, ...]) -> tuple[str, ...]:
+        for proxy in proxies:
+            ipaddress.ip_network(proxy)
+        return proxies
 
     @model_validator(mode="before")
     @classmethod

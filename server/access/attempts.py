@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import time
 from collections import OrderedDict, deque
 from collections.abc import Callable
@@ -26,6 +27,7 @@ class Attempts:
     def failed(self, address: str) -> float | None:
         """Count a failure; how long that address has to wait [s], or None if it may go on trying."""
         now = self._clock()
+        address = network_of(address)
         times = self._failures.setdefault(address, deque(maxlen=ALLOWED))
         self._failures.move_to_end(address)
         if len(self._failures) > ADDRESSES:
@@ -36,3 +38,16 @@ class Attempts:
             return WINDOW - (now - times[0])
         times.append(now)
         return None
+
+
+def network_of(address: str) -> str:
+    """Whose address that is: of IPv6 somebody has a whole network, and as many addresses as they like."""
+    try:
+        found = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(found, ipaddress.IPv4Address):
+        return address
+    if found.ipv4_mapped is not None:
+        return str(found.ipv4_mapped)
+    return str(ipaddress.IPv6Network((found.packed[:8] + bytes(8), 64)))

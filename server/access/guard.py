@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from http.cookies import CookieError, SimpleCookie
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
@@ -12,11 +12,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.access.attempts import Attempts
 from server.access.audit import AuditLog
+from server.access.cookie import SessionCookie
+from server.access.lease import run_answer, run_socket
 from server.access.roles import WEBSOCKET, Role, needed_role
 from server.access.tokens import Holder, TokenStore
 from server.api.problem_json import ProblemDocument, problem_answer
+from server.texts import shortened
 
-COOKIE = "becalm_token"
 ANYONE = Holder("operator", Role.ADMIN)
 """Who asks where no token is needed."""
 
@@ -31,6 +33,13 @@ class Access(NamedTuple):
     """False: everyone who reaches the service is `ANYONE`."""
     attempts: Attempts
     audit: AuditLog
+    cookie: SessionCookie
+
+    @property
+    def failure(self) -> str | None:
+        """Why the tokens cannot be read, in words for anyone; None while they can, or where none is needed."""
+        damaged = self.required and self.tokens.damage is not None
+        return "the file of the tokens cannot be read; the service's log says why" if damaged else None
 
 
 _CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Becalm"'}
@@ -65,64 +74,85 @@ class Guard:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
-        method = WEBSOCKET if scope["type"] == "websocket" else scope["method"]
-        path = scope["path"].removeprefix(scope.get("root_path", ""))
-        holder, refusal = self._decide(scope, method, path)
+        method, path = method_and_path(scope)
+        admitted, refusal = self._decide(scope, method, path)
         if refusal is not None:
-            self._log(scope, holder, method, path, refusal.status)
+            self._log(scope, admitted.holder, refusal.status)
             await _refuse(scope, receive, send, refusal)
             return
-        scope.setdefault("state", {})["holder"] = holder
-        if method in SAFE_METHODS:
-            await self._app(scope, receive, send)
-            return
+        scope.setdefault("state", {})["holder"] = admitted.holder
 
         async def logged(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                self._log(scope, holder, method, path, message["status"])
+            if message["type"] == "http.response.start" and method not in SAFE_METHODS:
+                self._log(scope, admitted.holder, message["status"])
             elif message["type"] == "websocket.accept":
-                self._log(scope, holder, method, path, 101)
+                self._log(scope, admitted.holder, 101)
             await send(message)
 
-        await self._app(scope, receive, logged)
+        if admitted.secret is None:
+            await self._app(scope, receive, logged)
+        else:
+            run = run_socket if method == WEBSOCKET else run_answer
+            await run(self._app, scope, receive, logged, partial(self._holds, admitted.secret, method, path))
 
-    def _decide(self, scope: Scope, method: str, path: str) -> tuple[Holder | None, Refusal | None]:
+    def _decide(self, scope: Scope, method: str, path: str) -> tuple[_Admitted, Refusal | None]:
         if not self._access.required:
-            return ANYONE, None
+            return _Admitted(ANYONE), None
         needed = needed_role(method, path)
-        secret = presented(Headers(scope=scope))
-        holder = self._access.tokens.holder_of(secret) if secret else None
+        secrets = presented(Headers(scope=scope), self._access.cookie)
+        held = ((self._access.tokens.holder_of(secret), secret) for secret in secrets)
+        holder, secret = next((each for each in held if each[0] is not None), (None, None))
         if needed is None:
-            return holder, None
+            return _Admitted(holder), None
         if holder is None:
-            return None, _no_token() if secret is None else unknown_token(self._access, scope)
+            return _Admitted(None), unknown_token(self._access, scope) if secrets else _no_token()
         if not holder.role.covers(needed):
             tip = f"ask for a token with the role {needed}"
-            detail = f"{method} {path} takes the role {needed}; {holder.name} is {holder.role}"
-            return holder, Refusal(403, "Not allowed", detail, tip, {})
-        return holder, None
+            detail = f"{method} {shortened(path)} takes the role {needed}; {holder.name} is {holder.role}"
+            return _Admitted(holder), Refusal(403, "Not allowed", detail, tip, {})
+        return _Admitted(holder, secret), None
 
-    def _log(self, scope: Scope, holder: Holder | None, method: str, path: str, status: int) -> None:
-        self._access.audit.write(
-            who=holder.name if holder else None,
-            role=holder.role.value if holder else None,
-            address=address_of(scope),
-            method=method,
-            path=path,
-            status=status,
-        )
+    def _holds(self, secret: str, method: str, path: str) -> bool:
+        """Whether what a token was admitted to would be granted again."""
+        holder, needed = self._access.tokens.holder_of(secret), needed_role(method, path)
+        return holder is not None and (needed is None or holder.role.covers(needed))
+
+    def _log(self, scope: Scope, holder: Holder | None, status: int) -> None:
+        self._access.audit.write(holder, **entry_of(scope, holder, status))
 
 
-def presented(headers: Headers) -> str | None:
-    """The token that a request shows: in its `Authorization`, or in the console's cookie."""
+class _Admitted(NamedTuple):
+    """Who asks, and by which token, where one was needed."""
+
+    holder: Holder | None
+    secret: str | None = None
+
+
+def method_and_path(scope: Scope) -> tuple[str, str]:
+    """What a connection asks for, by the names that roles are given for."""
+    method = WEBSOCKET if scope["type"] == "websocket" else scope["method"]
+    return method, scope["path"].removeprefix(scope.get("root_path", ""))
+
+
+def entry_of(scope: Scope, holder: Holder | None, status: int) -> dict[str, Any]:
+    """The audit log's line of a connection."""
+    method, path = method_and_path(scope)
+    return {
+        "who": holder.name if holder else None,
+        "role": holder.role.value if holder else None,
+        "address": address_of(scope),
+        "method": method,
+        "path": path,
+        "status": status,
+    }
+
+
+def presented(headers: Headers, cookie: SessionCookie) -> tuple[str, ...]:
+    """The tokens that a request shows: the one in its `Authorization`, or those in the console's cookies."""
     scheme, _, secret = headers.get("authorization", "").partition(" ")
     if scheme.lower() == "bearer" and secret.strip():
-        return secret.strip()
-    try:
-        cookie = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-    except CookieError:
-        return None
-    return cookie.value if cookie is not None and cookie.value else None
+        return (secret.strip(),)
+    return cookie.secrets_in(headers)
 
 
 def address_of(scope: Scope) -> str:

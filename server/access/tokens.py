@@ -8,16 +8,18 @@ service knows a new or a revoked token with the next request.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import secrets
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 
 from server.access.roles import Role
-from server.files import replace_file
+from server.files import read_document, replace_file
+from server.problems import StoredUnreadable
 from sim.errors import ConfigError
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}"
@@ -27,6 +29,8 @@ SHORTEST_SECRET = 32
 
 ADMIN_NAME = "admin"
 """Whose token the file of `BECALM_ADMIN_TOKEN_FILE` holds."""
+
+log = logging.getLogger(__name__)
 
 
 class Holder(NamedTuple):
@@ -44,8 +48,8 @@ class Token(BaseModel):
     name: str = Field(pattern=f"^{NAME}$")
     role: Role
     digest: str = Field(description="SHA-256, hexadecimal")
-    created: datetime
-    expires: datetime | None
+    created: AwareDatetime
+    expires: AwareDatetime | None
 
     @property
     def expired(self) -> bool:
@@ -56,12 +60,25 @@ class Token(BaseModel):
 class _TokenFile(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
-    version: int = 1
+    version: Literal[1] = 1
     tokens: tuple[Token, ...] = ()
 
 
+class _Stamp(NamedTuple):
+    """What changes whenever a file does."""
+
+    written: int
+    changed: int
+    inode: int
+    size: int
+
+
 class TokenStore:
-    """The tokens of one data folder, and perhaps an administrator's from a file of its own."""
+    """The tokens of one data folder, and perhaps an administrator's from a file of its own.
+
+    A file that cannot be read any more changes nothing of who is let in: the tokens that were last read go on holding,
+    `damage` says why, and so does the log. STOP is for those who are signed in, whatever becomes of a disk.
+    """
 
     def __init__(self, folder: Path, admin_file: Path | None = None) -> None:
         """Read nothing yet, but for the administrator's token.
@@ -72,8 +89,9 @@ class TokenStore:
         """
         self._path = folder / "tokens.json"
         self._admin_digest = _digest(_secret_in(admin_file)) if admin_file is not None else None
-        self._stamp: tuple[int, int] | None = None
+        self._stamp: _Stamp | None = None
         self._by_digest: dict[str, Token] = {}
+        self._damage: ConfigError | None = None
 
     def create(self, name: str, role: Role, lifetime: timedelta | None = None) -> str:
         """Make a token; this is the only time that it is seen.
@@ -110,13 +128,27 @@ class TokenStore:
         self._write(kept)
 
     def tokens(self) -> tuple[Token, ...]:
-        """All of them, also those that have expired."""
+        """All of them, also those that have expired.
+
+        Raises:
+            ConfigError: their file cannot be read.
+
+        """
         self._read_if_changed()
+        if self._damage is not None:
+            raise self._damage
         return tuple(self._by_digest.values())
+
+    @property
+    def damage(self) -> str | None:
+        """Why the file of the tokens cannot be read; None while it can."""
+        self._read_if_changed()
+        return None if self._damage is None else str(self._damage)
 
     def operators(self) -> tuple[str, ...]:
         """Names of all who may command the mission."""
-        named = [each.name for each in self.tokens() if each.role.covers(Role.OPERATOR) and not each.expired]
+        self._read_if_changed()
+        named = [each.name for each in self._by_digest.values() if each.role.covers(Role.OPERATOR) and not each.expired]
         return (*named, ADMIN_NAME) if self._admin_digest is not None else tuple(named)
 
     @property
@@ -137,17 +169,32 @@ class TokenStore:
         try:
             status = self._path.stat()
         except FileNotFoundError:
-            self._stamp, self._by_digest = None, {}
+            if self._by_digest:
+                self._keep_what_held(f"{self._path.name} is gone", None)
+            else:
+                self._stamp = self._damage = None
             return
-        stamp = (status.st_mtime_ns, status.st_ino)
+        except OSError as error:
+            self._keep_what_held(f"{self._path.name}: {error.strerror}", None)
+            return
+        stamp = _Stamp(status.st_mtime_ns, status.st_ctime_ns, status.st_ino, status.st_size)
         if stamp == self._stamp:
             return
         try:
-            kept = _TokenFile.model_validate_json(self._path.read_bytes())
-        except ValidationError as error:
-            tip = "restore it from a backup, or remove it and create tokens anew"
-            raise ConfigError(f"{self._path} is damaged: {error.errors()[0]['msg']}", tip=tip) from None
-        self._stamp, self._by_digest = stamp, {token.digest: token for token in kept.tokens}
+            kept = read_document(self._path, _TokenFile)
+        except (FileNotFoundError, StoredUnreadable) as error:
+            self._keep_what_held(str(error), stamp)
+        else:
+            self._stamp, self._damage = stamp, None
+            self._by_digest = {token.digest: token for token in kept.tokens}
+
+    def _keep_what_held(self, why: str, stamp: _Stamp | None) -> None:
+        """Go on with the tokens that were last read; said once in the log."""
+        tip = "restore it from a backup, or remove it, create tokens anew and start the service again"
+        damage = ConfigError(f"the tokens of {self._path.parent} cannot be read: {why}", tip=tip)
+        if str(damage) != str(self._damage):
+            log.error("%s; the %d tokens that were last read go on holding", damage, len(self._by_digest))
+        self._stamp, self._damage = stamp, damage
 
     def _write(self, tokens: tuple[Token, ...]) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -155,7 +202,7 @@ class TokenStore:
 
 
 def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
+    return hashlib.sha256(secret.encode(errors="surrogatepass")).hexdigest()
 
 
 def _secret_in(path: Path) -> str:

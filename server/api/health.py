@@ -28,6 +28,7 @@ class Health(BaseModel):
                 "phase": "idle",
                 "recorder_lag": 0.0,
                 "recorder_failure": None,
+                "access_failure": None,
             }
         }
     )
@@ -40,6 +41,9 @@ class Health(BaseModel):
     phase: str | None = Field(description="Of the mission; null before there is one")
     recorder_lag: float = Field(description="How long the oldest tick in memory may have waited for the disk [s]")
     recorder_failure: str | None = Field(description="Why the run is not being recorded; null while it is")
+    access_failure: str | None = Field(
+        description="Why the tokens cannot be read, so that those last read go on holding; null while they can"
+    )
 
 
 @router.get("/health")
@@ -55,4 +59,5 @@ async def health(services: ServicesDep) -> Health:
         phase=latest.snapshot.phase if latest else None,
         recorder_lag=services.recorder.lag,
         recorder_failure=services.recorder.failure,
+        access_failure=services.access.failure,
     )

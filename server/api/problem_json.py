@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import re
+import reprlib
 import uuid
 from collections.abc import Sequence
 from http import HTTPStatus
@@ -27,6 +28,7 @@ from server.problems import (
     StudyNotFound,
     StudyRefused,
 )
+from server.texts import shortened
 from sim.config import PARAMETERS
 from sim.configurations import MOST_FINDINGS
 from sim.errors import CaptureError, ConfigError, LinkLost, MissionRefused, RunNotFound
@@ -81,6 +83,11 @@ _UNION_TAGS = ("one", "many")
 """Names that pydantic gives to the kinds of a body; no field has them."""
 
 _NAMED_VALUE = re.compile(r"([\w.]+) = ('[^']*'|[^\s:,]+)")
+
+LONGEST_DETAIL = 1000
+LONGEST_VALUE = 200
+LONGEST_INTEGER = 1024
+"""Bits of a number that is shown."""
 
 log = logging.getLogger(__name__)
 
@@ -141,8 +148,24 @@ def install(app: FastAPI) -> None:
 
 def problem_answer(document: ProblemDocument, headers: dict[str, str] | None = None) -> JSONResponse:
     """The document as an answer."""
-    content = document.model_dump(mode="json", exclude_none=True)
+    content = _bounded(document).model_dump(mode="json", exclude_none=True)
     return JSONResponse(content, document.status, headers=headers, media_type=MEDIA_TYPE)
+
+
+def _bounded(document: ProblemDocument) -> ProblemDocument:
+    """Nothing that somebody sent comes back at any length."""
+    errors = document.errors
+    if errors is not None and len(errors) > MOST_FINDINGS:
+        more = f"and {len(errors) - MOST_FINDINGS} more"
+        errors = [*errors[:MOST_FINDINGS], Finding(field="", message=more)]
+    detail, tip = shortened(document.detail, LONGEST_DETAIL), shortened(document.tip, LONGEST_DETAIL)
+    return document.model_copy(update={"detail": detail, "tip": tip, "errors": errors and list(map(_cut, errors))})
+
+
+def _cut(finding: Finding) -> Finding:
+    value = shortened(finding.value, LONGEST_VALUE) if isinstance(finding.value, str) else finding.value
+    field, message = shortened(finding.field, LONGEST_VALUE), shortened(finding.message, LONGEST_DETAIL)
+    return Finding(field=field, value=value, message=message)
 
 
 def document_of(error: CaptureError) -> ProblemDocument:
@@ -217,11 +240,13 @@ def _request_finding(error: Any) -> Finding:
 
 def _jsonable(value: Any) -> Any:
     """The value itself if JSON can say it, else in words: NaN, for one."""
-    if isinstance(value, bool | str | int | None):
+    if isinstance(value, bool | str | None):
         return value
+    if isinstance(value, int):
+        return value if value.bit_length() <= LONGEST_INTEGER else f"an integer of {value.bit_length()} bits"
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
-    return repr(value)
+    return shortened(reprlib.repr(value), LONGEST_VALUE)
 
 
 async def _http_error(_: Request, error: Exception) -> Response:

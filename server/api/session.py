@@ -7,16 +7,13 @@ from typing import Annotated
 from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.access.guard import COOKIE, holder_of, unknown_token
+from server.access.guard import holder_of, unknown_token
 from server.access.roles import Role
 from server.access.tokens import Holder
 from server.api.problem_json import responses
 from server.api.services import ServicesDep
 
 router = APIRouter(prefix="/session", tags=["access"])
-
-COOKIE_LIFETIME = 30 * 24 * 3600
-"""After which one signs in again [s]; a token that is revoked or expires holds no longer at once."""
 
 
 class Session(BaseModel):
@@ -47,23 +44,15 @@ async def sign_in(services: ServicesDep, request: Request, response: Response, b
     holder = services.access.tokens.holder_of(body.token)
     if holder is None:
         return unknown_token(services.access, request.scope).answer
-    response.set_cookie(
-        COOKIE,
-        body.token,
-        max_age=COOKIE_LIFETIME,
-        path=request.scope.get("root_path") or "/",
-        secure=request.url.scheme == "https",
-        httponly=True,
-        samesite="strict",
-    )
+    services.access.cookie.keep(request, response, body.token)
     return _session(services, holder)
 
 
 @router.delete("", status_code=204)
-async def sign_out(request: Request) -> Response:
+async def sign_out(services: ServicesDep, request: Request) -> Response:
     """Forget the token; it stays valid for those who have it."""
     response = Response(status_code=204)
-    response.delete_cookie(COOKIE, path=request.scope.get("root_path") or "/", httponly=True, samesite="strict")
+    services.access.cookie.forget(request, response)
     return response
 
 

@@ -13,10 +13,10 @@ import httpx
 import pytest
 import uvicorn
 
+from becalm.serving import server_config
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
-from server.paced_sockets import SOCKET_OPTIONS
 from server.published import MissionSnapshot
 from server.settings import Settings
 from sim.capture.mission import prepare
@@ -107,8 +107,7 @@ class Served(NamedTuple):
 def _serving(settings: Settings) -> Iterator[Served]:
     app = create_app(settings)
     with bound_socket("127.0.0.1", 0) as bound:
-        config = uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1, **SOCKET_OPTIONS)
-        server = uvicorn.Server(config)
+        server = uvicorn.Server(server_config(app))
         thread = threading.Thread(target=lambda: server.run(sockets=[bound]))
         thread.start()
         deadline = time.monotonic() + PATIENCE

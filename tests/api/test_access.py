@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import json
 import time
 from functools import partial
 
 import httpx
 import pytest
+import viser
 from click.testing import CliRunner
 from starlette.routing import Route, WebSocketRoute
 from websockets.asyncio import client as websocket
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
+from websockets.typing import Subprotocol
 
 import becalm
 from becalm.cli import main
 from server.access.attempts import ALLOWED
+from server.access.lease import NOT_SIGNED_IN, REASON
 from server.access.roles import RULES, WEBSOCKET, Role
 from server.access.tokens import TokenStore
 from server.app import create_app
@@ -139,6 +144,54 @@ def test_a_revoked_token_holds_no_longer_and_a_new_one_at_once(guarded, settings
     assert ask(guarded, "GET", "/mission", secret).status_code == 200
     store.revoke("guest")
     assert ask(guarded, "GET", "/mission", secret).status_code == 401
+
+
+async def test_sockets_end_with_their_token(guarded, settings, secrets):
+    store = TokenStore(settings.data_dir / "access")
+    guest = bearer(store.create("guest-2", Role.VIEWER))
+    viewer = bearer(secrets[Role.VIEWER])
+    addresses = [guarded.telemetry, guarded.telemetry.replace("/api/v1/telemetry", "/scene")]
+    protocol = [Subprotocol(f"viser-v{viser.__version__}")]
+    async with contextlib.AsyncExitStack() as stack:
+        ended = [
+            await stack.enter_async_context(
+                connect(each, additional_headers=guest, subprotocols=protocol, max_size=None)
+            )
+            for each in addresses
+        ]
+        staying = await stack.enter_async_context(connect(guarded.telemetry, additional_headers=viewer))
+        store.revoke("guest-2")
+        for socket in ended:
+            with pytest.raises(ConnectionClosedError) as closed:
+                await asyncio.wait_for(_read_to_the_end(socket), PATIENCE)
+            assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (NOT_SIGNED_IN, REASON)
+        await staying.recv()
+
+
+async def _read_to_the_end(socket) -> None:
+    while True:
+        await socket.recv()
+
+
+def test_nothing_that_becomes_of_the_token_file_keeps_anybody_from_stop(guarded, secrets, settings):
+    path = settings.data_dir / "access" / "tokens.json"
+    whole = path.read_bytes()
+    assert ask(guarded, "POST", "/mission/stop", secrets[Role.VIEWER]).status_code == 200
+    path.write_bytes(whole[:100])
+    try:
+        assert ask(guarded, "POST", "/mission/stop", secrets[Role.VIEWER]).status_code == 200
+        assert ask(guarded, "GET", "/mission", "nonesuch").status_code in (401, 429)
+        assert "cannot be read" in ask(guarded, "GET", "/health").json()["access_failure"]
+    finally:
+        path.write_bytes(whole)
+    assert ask(guarded, "GET", "/health").json()["access_failure"] is None
+
+
+def test_where_a_request_comes_from_is_not_what_it_says(guarded):
+    for each in range(ALLOWED + 1):
+        headers = {**bearer(f"guess-{each}"), "X-Forwarded-For": f"10.0.0.{each}"}
+        answer = httpx.get(guarded.api + "/mission", headers=headers, trust_env=False, timeout=PATIENCE)
+    assert answer.status_code == 429
 
 
 def test_trying_tokens_is_slowed_down_but_holders_are_let_in(guarded, secrets):

@@ -63,7 +63,12 @@ def proxied(request, tmp_path, serving) -> Iterator[Proxied]:
 def _proxied(configuration, folder, serving) -> Iterator[Proxied]:
     host, path = SITES[configuration]
     token = TokenStore(folder / "data" / "access").create("ana", Role.OPERATOR)
-    settings = Settings(data_dir=folder / "data", require_tokens=True, allowed_hosts=(host, "127.0.0.1"))
+    settings = Settings(
+        data_dir=folder / "data",
+        require_tokens=True,
+        allowed_hosts=(host, "127.0.0.1"),
+        trusted_proxies=("127.0.0.1",),
+    )
     with serving(settings) as console, site(folder, configuration, host, console.port) as shown:
         trust = ssl.create_default_context(cafile=shown.certificate)
         yield Proxied(host, path, shown.port, trust, token)

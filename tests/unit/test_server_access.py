@@ -72,6 +72,45 @@ class TestTokens:
         (tmp_path / "access" / "tokens.json").write_text("{")
         with pytest.raises(ConfigError, match="damaged"):
             tokens.tokens()
+        assert tokens.holder_of("anything") is None
+
+    @pytest.mark.parametrize(
+        "content",
+        [b"", b"{", b"\xff\xfe", b"[]", b"null", b"[" * 100_000, b'{"version": 2}', b'{"tokens": [{"name": 1}]}',
+         b'{"tokens": [{"name": "a", "role": "king", "digest": "x", "created": "now", "expires": null}]}',
+         b'{"tokens": [{"name": "a", "role": "admin", "digest": "x", "created": "2026-01-01T00:00:00",'
+         b' "expires": "2026-01-01T00:00:00"}]}'],
+    )  # fmt: skip
+    def test_what_becomes_of_the_file_changes_nothing_of_who_is_let_in(self, tokens, tmp_path, content, caplog):
+        secret = tokens.create("ana", Role.OPERATOR)
+        path = tmp_path / "access" / "tokens.json"
+        whole = path.read_bytes()
+        assert tokens.holder_of(secret)
+        path.write_bytes(content)
+        for _ in range(3):
+            assert tokens.holder_of(secret) == Holder("ana", Role.OPERATOR)
+            assert tokens.operators() == ("ana",)
+        assert "tokens.json" in tokens.damage
+        assert caplog.text.count("go on holding") == 1
+        path.write_bytes(whole)
+        assert (tokens.holder_of(secret), tokens.damage) == (Holder("ana", Role.OPERATOR), None)
+
+    def test_a_file_that_is_gone_or_a_folder_in_its_place_is_damage_too(self, tokens, tmp_path):
+        secret = tokens.create("ana", Role.OPERATOR)
+        path = tmp_path / "access" / "tokens.json"
+        assert tokens.holder_of(secret)
+        path.unlink()
+        assert (tokens.holder_of(secret).name, "gone" in tokens.damage) == ("ana", True)
+        path.mkdir()
+        assert (tokens.holder_of(secret).name, "Is a directory" in tokens.damage) == ("ana", True)
+        path.rmdir()
+        path.with_name("elsewhere").write_text("x")
+        path.symlink_to(path)
+        assert (tokens.holder_of(secret).name, tokens.damage is not None) == ("ana", True)
+
+    def test_a_secret_of_any_text_is_no_token(self, tokens):
+        for text in ("\ud800", "\x00", "é" * 10_000):
+            assert tokens.holder_of(text) is None
 
     def test_an_administrators_token_from_a_file(self, tmp_path):
         (tmp_path / "secret").write_text("s" * 43 + "\n")
@@ -131,6 +170,14 @@ class TestAttempts:
         assert counted.failed("b") is None
         now[0] = 100.0 + attempts.WINDOW
         assert counted.failed("a") is None
+
+    def test_a_network_of_addresses_is_one_somebody(self):
+        counted = Attempts(clock=lambda: 0.0)
+        for each in range(attempts.ALLOWED):
+            assert counted.failed(f"fd00:0:0:1::{each:x}") is None
+        assert counted.failed("fd00:0:0:1:ffff::1")
+        assert counted.failed("fd00:0:0:2::1") is None
+        assert attempts.network_of("::ffff:10.0.0.1") == attempts.network_of("10.0.0.1")
 
     def test_memory_is_bounded(self):
         counted = Attempts()

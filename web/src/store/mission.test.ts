@@ -65,7 +65,7 @@ describe("trust in what is shown", () => {
 
   it("tells preparing from silence", () => {
     const store = storeAt({ now: 0 });
-    store.health({ status: "preparing", version: "0", plant: "simulation", tick_age: null, link_age: null, phase: "idle", recorder_lag: 0, recorder_failure: null }, 4);
+    store.health({ status: "preparing", version: "0", plant: "simulation", tick_age: null, link_age: null, phase: "idle", recorder_lag: 0, recorder_failure: null, access_failure: null }, 4);
     expect(store.read().trust).toBe("preparing");
     store.snapshot(snapshot(0));
     expect(store.read().trust).toBe("live");
