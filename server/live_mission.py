@@ -15,6 +15,7 @@ from server.link.zenoh_plant import ZenohPlant
 from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
+from server.run_changes import EDITED
 from server.run_folder import LoggedEvent, RunStatus, TickArray, wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
@@ -40,7 +41,7 @@ log = logging.getLogger(__name__)
 def display_name(configuration: str, config: MissionConfig) -> str:
     """The configuration's name, and whether it has been edited."""
     edited = differences(named_configuration(configuration), config)
-    return f"{configuration} (edited)" if edited else configuration
+    return f"{configuration}{EDITED}" if edited else configuration
 
 
 class LiveMission:

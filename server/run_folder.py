@@ -18,11 +18,11 @@ from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Annotated, Any, BinaryIO, Literal
 
 import numpy as np
 from mcap.records import ChunkIndex
-from pydantic import Field
+from pydantic import Field, StringConstraints, field_validator
 
 from server.files import replace_file
 from server.log.scan import Scanned, chunk_data, payloads, scan
@@ -109,11 +109,22 @@ class Note(Published):
     at: str = Field(default_factory=wall_clock, description="Wall clock, ISO 8601, UTC")
 
 
+Tag = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=40, pattern=r"^[^,\n]*$")]
+RunName = Annotated[str, StringConstraints(strip_whitespace=True, max_length=100, pattern=r"^[^\n]*$")]
+
+
 class Remarks(Published):
     """What people add to a run at any time; it stands in a file of its own, so that no writer is disturbed."""
 
     starred: bool = False
+    name: RunName = Field("", description="What people call the run; empty without a name")
+    tags: tuple[Tag, ...] = Field((), max_length=20, description="Words that runs are grouped by, each once")
     notes: tuple[Note, ...] = Field((), max_length=500)
+
+    @field_validator("tags")
+    @classmethod
+    def _each_once(cls, tags: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(tags))
 
 
 class LoggedEvent(Event):

@@ -17,30 +17,51 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import ValidationError
 
+from server.run_changes import changes_of
 from server.run_folder import RECORD_NAME, REMARKS_NAME, RunKind, RunRecord, RunStatus, read_remarks
 from server.runs import RUN_ID, RunStore
 from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound
 
-SCHEMA = 1
+SCHEMA = 2
 """Raised with every change of the table; an index of another one is made anew."""
 
 FILE_NAME = "index.sqlite"
 PATIENCE = 5.0
 """How long one connection waits for another that writes [s]."""
 
-SortKey = Literal["started", "duration", "peak_tip_force", "final_target_spin", "outcome", "configuration", "size"]
+SortKey = Literal[
+    "started",
+    "name",
+    "kind",
+    "status",
+    "configuration",
+    "changes",
+    "seed",
+    "initial_spin",
+    "duration",
+    "outcome",
+    "at_first_closure",
+    "peak_tip_force",
+    "cage_margin",
+    "final_target_spin",
+    "size",
+]
+_WORDS = ("name", "kind", "status", "configuration", "changes", "outcome", "at_first_closure")
+"""Sort keys that are texts."""
 
 _TABLE = """
 CREATE TABLE runs (
     id TEXT PRIMARY KEY, stamp TEXT NOT NULL, unreadable TEXT, settled INTEGER NOT NULL,
-    kind TEXT, status TEXT, outcome TEXT, configuration TEXT, parent TEXT, starred INTEGER, started TEXT, words TEXT,
-    duration REAL, peak_tip_force REAL, final_target_spin REAL, size INTEGER
+    kind TEXT, status TEXT, outcome TEXT, at_first_closure TEXT, configuration TEXT, changes TEXT, parent TEXT,
+    starred INTEGER, name TEXT, tags TEXT, started TEXT, words TEXT, seed REAL, initial_spin REAL,
+    duration REAL, peak_tip_force REAL, cage_margin REAL, final_target_spin REAL, size INTEGER
 ) STRICT
 """
 _COLUMNS = (
-    "id", "stamp", "unreadable", "settled", "kind", "status", "outcome", "configuration", "parent", "starred",
-    "started", "words", "duration", "peak_tip_force", "final_target_spin", "size",
+    "id", "stamp", "unreadable", "settled", "kind", "status", "outcome", "at_first_closure", "configuration", "changes",
+    "parent", "starred", "name", "tags", "started", "words", "seed", "initial_spin", "duration", "peak_tip_force",
+    "cage_margin", "final_target_spin", "size",
 )  # fmt: skip
 
 
@@ -51,11 +72,13 @@ class RunQuery:
     kind: RunKind | None = None
     status: RunStatus | None = None
     outcome: OutcomeClass | None = None
+    at_first_closure: OutcomeClass | None = None
+    tag: str | None = None
     configuration: str | None = None
     parent: str | None = None
     starred: bool | None = None
     text: str | None = None
-    """Part of the identifier or of a note, in any case."""
+    """Words, in any case, each of which has to be found: in identifier, name, tags, notes, configuration or changes."""
     started_from: str | None = None
     started_to: str | None = None
     sort: SortKey = "started"
@@ -68,6 +91,8 @@ class Found(NamedTuple):
     ids: list[str]
     following: str | None
     """The last of them, if there are more."""
+    total: int
+    """How many fit, on all pages."""
 
 
 class RunIndex:
@@ -87,6 +112,7 @@ class RunIndex:
         """
         with self._fresh() as rows:
             conditions, values = _conditions(query)
+            total = rows.execute(f"SELECT COUNT(*) FROM runs WHERE {' AND '.join(conditions)}", values).fetchone()[0]
             key = _sort_expression(query)
             if after is not None:
                 comparison = ">" if query.ascending else "<"
@@ -99,7 +125,7 @@ class RunIndex:
                 [*values, limit + 1],
             )
             ids = [name for (name,) in found]
-        return Found(ids[:limit], ids[limit - 1] if len(ids) > limit else None)
+        return Found(ids[:limit], ids[limit - 1] if len(ids) > limit else None, total)
 
     def tally(self) -> dict[tuple[RunKind, RunStatus, OutcomeClass | None], int]:
         """How many readable runs there are of each kind, status and outcome."""
@@ -198,20 +224,29 @@ def _written(path: Path) -> int | None:
 
 def _facts(record: RunRecord, folder: Path) -> dict[str, Any]:
     remarks = read_remarks(folder)
-    outcome = record.outcome
-    words = [record.id, record.note or "", *(note.text for note in remarks.notes)]
+    outcome, changes = record.outcome, changes_of(record)
+    changed = [f"{each.path} {each.title} {each.value}" for each in changes]
+    noted = [note.text for note in remarks.notes]
+    words = [record.id, record.configuration, remarks.name, *remarks.tags, record.note or "", *noted, *changed]
     return {
         "settled": int(record.ended and record.integrity is not None),
         "kind": record.kind,
         "status": record.status,
         "outcome": outcome.outcome.value if outcome else None,
+        "at_first_closure": outcome.at_first_closure.value if outcome else None,
         "configuration": record.configuration,
+        "changes": " ".join(f"{each.path} {each.value}" for each in changes) or None,
         "parent": record.parent,
         "starred": int(remarks.starred),
+        "name": remarks.name.lower() or None,
+        "tags": "".join(f"\n{tag.lower()}\n" for tag in remarks.tags),
+        "seed": float(record.config.simulation.seed),
+        "initial_spin": record.config.target.initial_spin,
         "started": record.started,
         "words": "\n".join(words).lower(),
         "duration": record.duration,
         "peak_tip_force": outcome.peak_tip_force if outcome else None,
+        "cage_margin": outcome.cage_margin if outcome else None,
         "final_target_spin": outcome.final_target_spin if outcome else None,
     }
 
@@ -222,10 +257,12 @@ def _conditions(query: RunQuery) -> tuple[list[str], list[Any]]:
         ("kind = ?", query.kind),
         ("status = ?", query.status),
         ("outcome = ?", query.outcome.value if query.outcome else None),
+        ("at_first_closure = ?", query.at_first_closure.value if query.at_first_closure else None),
+        ("instr(tags, ?) > 0", None if query.tag is None else f"\n{query.tag.strip().lower()}\n"),
         ("configuration IN (?1, ?1 || ' (edited)')", query.configuration),
         ("parent = ?", query.parent),
         ("starred = ?", None if query.starred is None else int(query.starred)),
-        ("instr(words, ?) > 0", query.text.lower() if query.text else None),
+        *(("instr(words, ?) > 0", word) for word in (query.text or "").lower().split()),
         ("started >= ?", query.started_from),
         ("started <= ?", query.started_to),
     )
@@ -241,6 +278,6 @@ def _sort_expression(query: RunQuery) -> str:
     """What rows are ordered by; runs without it come last, whichever way."""
     if query.sort == "started":
         return "id"
-    if query.sort in ("outcome", "configuration"):
+    if query.sort in _WORDS:
         return f"COALESCE({query.sort}, '{'~' if query.ascending else ''}')"
     return f"COALESCE({query.sort}, {'9e999' if query.ascending else '-9e999'})"

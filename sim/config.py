@@ -76,7 +76,7 @@ class HandMount(StrEnum):
 
 
 class OutcomeRule(StrEnum):
-    """Which instant a capture is judged at."""
+    """Which of a capture's two verdicts a study's table gives as its outcome; a run's is that at locked arms."""
 
     FIRST_CLOSURE = "first_closure"
     """The first instant that the tips close around a slow target, as the paper's tables (authors)."""
@@ -510,7 +510,9 @@ class SensingConfig(ConfigModel):
 class JudgingConfig(ConfigModel):
     """How a capture's outcome is judged."""
 
-    rule: OutcomeRule = parameter(OutcomeRule.FIRST_CLOSURE, "Instant of judgement", unit="1", source="authors")
+    rule: OutcomeRule = parameter(
+        OutcomeRule.FIRST_CLOSURE, "Verdict that a study's table gives as its outcome", unit="1", source="authors"
+    )
     force_bound: Number = parameter(
         1.12969,
         "Force counts as reduced below this hand resultant: direct caging's peak",

@@ -6,9 +6,10 @@ import hashlib
 import json
 from typing import Annotated, Any, TypeVar, cast, get_args
 
+import pydantic
 from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
@@ -16,7 +17,19 @@ from server.decimated import decimated
 from server.export import MEDIA_TYPES, LogFormat, Span, exported
 from server.history import History
 from server.live_mission import display_name
-from server.run_folder import Integrity, LoggedEvent, Note, Remarks, RunKind, RunReader, RunRecord, RunStatus
+from server.run_changes import ParameterChange, changes_of
+from server.run_folder import (
+    Integrity,
+    LoggedEvent,
+    Note,
+    Remarks,
+    RunKind,
+    RunName,
+    RunReader,
+    RunRecord,
+    RunStatus,
+    Tag,
+)
 from server.run_index import RunQuery, SortKey
 from server.runs import new_record
 from sim.capture.snapshot import Outcome, OutcomeClass
@@ -50,8 +63,8 @@ class RunRequest(BaseModel):
     seed: int | None = Field(None, ge=0, le=2**63 - 1, description="In place of `simulation.seed`")
 
 
-OneRun = Annotated[RunRequest, Tag("one")]
-ManyRuns = Annotated[Annotated[list[RunRequest], Field(min_length=1, max_length=64)], Tag("many")]
+OneRun = Annotated[RunRequest, pydantic.Tag("one")]
+ManyRuns = Annotated[Annotated[list[RunRequest], Field(min_length=1, max_length=64)], pydantic.Tag("many")]
 IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", description="The ETag that is known already")]
 
 
@@ -68,11 +81,17 @@ class RunFilter(BaseModel):
     cursor: str | None = Field(None, description="`next_cursor` of the page before")
     kind: RunKind | None = None
     status: RunStatus | None = None
-    outcome: OutcomeClass | None = None
+    outcome: OutcomeClass | None = Field(None, description="The verdict: that at locked arms")
+    at_first_closure: OutcomeClass | None = Field(None, description="The paper's verdict: that at first closure")
+    tag: str | None = Field(None, max_length=40, description="A tag that the run bears, in any case")
     configuration: str | None = Field(None, description="Name of a configuration; edited ones of it are listed, too")
     parent: str | None = None
     starred: bool | None = None
-    text: str | None = Field(None, description="Part of the identifier or of a note, in any case")
+    text: str | None = Field(
+        None,
+        max_length=400,
+        description="Words, in any case, that identifier, name, tags, notes, configuration and changed parameters hold",
+    )
     started_from: str | None = Field(None, description="ISO 8601, UTC")
     started_to: str | None = Field(None, description="ISO 8601, UTC")
     sort: str = Field(
@@ -88,6 +107,8 @@ class RemarksChange(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     starred: bool | None = None
+    name: RunName | None = Field(None, description="In place of its name; empty takes it away")
+    tags: tuple[Tag, ...] | None = Field(None, max_length=20, description="In place of all tags")
     notes: tuple[Note, ...] | None = Field(None, max_length=500, description="In place of all notes")
 
 
@@ -97,9 +118,13 @@ class RunSummary(BaseModel):
     id: str
     kind: RunKind
     status: RunStatus
+    name: str = Field(description="What people call it; empty without a name")
+    tags: tuple[str, ...]
     configuration: str
+    changes: tuple[ParameterChange, ...] = Field(description="To the named configuration, the seed left out")
     direct: bool
     seed: int
+    initial_spin: float = Field(description="Of the target, as configured [rad/s]")
     started: str = Field(description="ISO 8601, UTC")
     duration: float = Field(description="Mission time of the last tick [s]")
     ticks: int = Field(description="Recorded until now")
@@ -134,6 +159,7 @@ class RunPage(BaseModel):
     """Runs, newest first."""
 
     runs: list[RunSummary]
+    total: int = Field(description="How many fit, on all pages")
     unreadable: list[Unreadable] = Field(description="Runs of other versions, and damaged ones; on the first page")
     next_cursor: str | None = Field(description="For the next page; null on the last one")
 
@@ -193,6 +219,7 @@ def runs(
     strange = {} if wanted.cursor else services.index.unreadable()
     page = RunPage(
         runs=[_summary(reader) for reader in readers],
+        total=found.total,
         unreadable=[Unreadable(id=name, reason=why) for name, why in strange.items()],
         next_cursor=found.following,
     )
@@ -219,13 +246,11 @@ def remark(
     response: Response,
     if_match: Annotated[str | None, Header(alias="If-Match")] = None,
 ) -> Run:
-    """Star a run, or put these notes in place of its own; with `If-Match`, only if nobody has changed it since."""
+    """Star or name a run, or put these notes or tags in place of its own; with `If-Match`, only if unchanged since."""
     reader = services.store.read(run_id)
     if if_match is not None and if_match != _etag(run_of(reader)):
         raise HTTPException(412, f"run {run_id} has changed since; read it again")
-    present = reader.remarks
-    starred = present.starred if body.starred is None else body.starred
-    services.store.remark(run_id, Remarks(starred=starred, notes=present.notes if body.notes is None else body.notes))
+    services.store.remark(run_id, Remarks.model_validate(dict(reader.remarks) | body.model_dump(exclude_none=True)))
     return _tagged(run_of(services.store.read(run_id)), response, None)
 
 
@@ -346,9 +371,13 @@ def _fields(reader: RunReader) -> dict[str, Any]:
         "id": record.id,
         "kind": record.kind,
         "status": record.status,
+        "name": remarks.name,
+        "tags": remarks.tags,
         "configuration": record.configuration,
+        "changes": changes_of(record),
         "direct": record.direct,
         "seed": record.config.simulation.seed,
+        "initial_spin": record.config.target.initial_spin,
         "started": record.started,
         "duration": record.duration if last is None else float(last["time"][0]),
         "ticks": reader.tick_count,

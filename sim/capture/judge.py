@@ -15,7 +15,7 @@ from sim.capture.caging import Cage, tips_enclose
 from sim.capture.snapshot import Outcome, OutcomeClass, Touch
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray, compiled
-from sim.config import MissionConfig, OutcomeRule
+from sim.config import MissionConfig
 from sim.control.phases import Phase, Sequence
 from sim.control.trajectory import plan_end
 from sim.model.clearance import corner_inside
@@ -206,7 +206,7 @@ def outcome_of(notes: Record, config: MissionConfig, spin: float, cage: Cage) ->
         at_closure = _caged_class(bool(notes["unplanned_to_closure"]), float(notes["peak_to_closure"]), bound)
     at_lock = _caged_class(bool(notes["unplanned"]), float(notes["peak"]), bound) if caged else failure
     return Outcome(
-        outcome=at_closure if config.judging.rule is OutcomeRule.FIRST_CLOSURE else at_lock,
+        outcome=at_lock,
         at_first_closure=at_closure,
         at_locked_arms=at_lock,
         caged=caged,

@@ -7,9 +7,9 @@ in world axes; the world's origin is where the base's geometric centre starts.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Vector3 = tuple[float, float, float]
 Vector2 = tuple[float, float]
@@ -43,10 +43,12 @@ class Touch(Published):
 
 
 class Outcome(Published):
-    """How a capture ended, judged both as the paper does and after the arms have locked."""
+    """How a capture ended: the verdict, and beside it the paper's."""
 
-    outcome: OutcomeClass = Field(description="By the rule that judging.rule names")
-    at_first_closure: OutcomeClass = Field(description="Judged at the first closed instant, as the paper's tables")
+    outcome: OutcomeClass = Field(description="The verdict: that at locked arms")
+    at_first_closure: OutcomeClass = Field(
+        description="The paper's verdict: judged at the first closed instant, as its tables"
+    )
     at_locked_arms: OutcomeClass = Field(description="Judged when the arms have locked, by the caging test")
     caged: bool = Field(description="No motion leads the target out of the locked hands")
     cage_margin: float | None = Field(
@@ -63,6 +65,14 @@ class Outcome(Published):
     momentum_error: float = Field(
         description="Largest change of total momentum: linear [N s] plus angular about the origin [N m s]"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_verdict(cls, stored: Any) -> Any:
+        """Version 0.1.0 wrote into `outcome` whichever of the two verdicts `judging.rule` named."""
+        if isinstance(stored, dict) and "at_locked_arms" in stored:
+            return {**stored, "outcome": stored["at_locked_arms"]}
+        return stored
 
 
 class BodyState(Published):

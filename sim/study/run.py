@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from sim.capture.run import run_capture
 from sim.capture.snapshot import Outcome, Touch
-from sim.config import PARAMETERS, MissionConfig
+from sim.config import PARAMETERS, MissionConfig, OutcomeRule
 from sim.errors import CaptureError
 from sim.study.design import Cell, Study, configured
 from sim.study.watch import Watch
@@ -27,8 +27,8 @@ class Column(NamedTuple):
 
 
 MEASURES = (
-    Column("outcome", str, "1", "By the rule that judging.rule names"),
-    Column("at_first_closure", str, "1", "Judged at the first closed instant, as the paper's tables"),
+    Column("outcome", str, "1", "The verdict that judging.rule names: the paper's, unless the study says otherwise"),
+    Column("at_first_closure", str, "1", "The paper's verdict: judged at the first closed instant, as its tables"),
     Column("at_locked_arms", str, "1", "Judged when the arms have locked, by the caging test"),
     Column("caged", bool, "1", "No motion leads the target out of the locked hands"),
     Column("cage_margin", float, "m", "How far the tips would have to give way to let it out; none if not caged"),
@@ -84,9 +84,9 @@ class CellTask:
 def fly_cell(task: CellTask) -> Row:
     """Fly a cell to its verdict; a row with `error` if it cannot be flown."""
     try:
-        watch = Watch()
-        outcome = run_capture(configured(task.base, task.cell), direct=task.direct, on_ticks=watch.see).outcome
-        measured = {**_measures(outcome), **watch.measures(outcome)}
+        watch, config = Watch(), configured(task.base, task.cell)
+        outcome = run_capture(config, direct=task.direct, on_ticks=watch.see).outcome
+        measured = {**_measures(outcome, config.judging.rule), **watch.measures(outcome)}
     except CaptureError as error:
         return failed_row(task.cell, str(error))
     except Exception as error:  # one cell that fails, however it does, must not take the others along
@@ -103,10 +103,11 @@ def _identity(cell: Cell) -> dict[str, Any]:
     return {"cell": cell.index, **cell.values, "seed": cell.seed}
 
 
-def _measures(outcome: Outcome) -> dict[str, Any]:
+def _measures(outcome: Outcome, rule: OutcomeRule) -> dict[str, Any]:
+    told = outcome.at_first_closure if rule is OutcomeRule.FIRST_CLOSURE else outcome.at_locked_arms
     hardest: Touch | None = max(outcome.contacts, key=lambda touch: touch.peak, default=None)
     return {
-        "outcome": outcome.outcome.value,
+        "outcome": told.value,
         "at_first_closure": outcome.at_first_closure.value,
         "at_locked_arms": outcome.at_locked_arms.value,
         "caged": outcome.caged,

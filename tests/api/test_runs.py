@@ -325,6 +325,32 @@ async def test_notes_and_star_against_a_change_meanwhile(console):
     assert (await console.http.get(address)).json()["starred"] is True
 
 
+async def test_name_and_tags_are_kept_listed_and_bounded(console):
+    for second in (1, 2):
+        console.services.store.create(_record(second))
+    address = f"/runs/{_record(1).id}"
+    named = (
+        await console.http.patch(address, json={"name": " Soft touch ", "tags": ["paper", "paper", "fig 7"]})
+    ).json()
+    assert (named["name"], named["tags"], named["starred"]) == ("Soft touch", ["paper", "fig 7"], False)
+    assert (await console.http.patch(address, json={"starred": True})).json()["tags"] == ["paper", "fig 7"]
+    listed = (await console.http.get("/runs", params={"tag": "PAPER"})).json()
+    assert ([run["name"] for run in listed["runs"]], listed["total"]) == (["Soft touch"], 1)
+    for wrong in ({"tags": ["a,b"]}, {"tags": [" "]}, {"tags": ["x"] * 21}, {"name": "x" * 101}, {"name": "a\nb"}):
+        answer = await console.http.patch(address, json=wrong)
+        assert (answer.status_code, next(iter(wrong)) in answer.json()["detail"]) == (422, True)
+    assert (await console.http.patch(address, json={"name": "", "tags": []})).json()["tags"] == []
+
+
+async def test_a_run_tells_what_was_changed(console):
+    changes = {"control": {"impedance": {"damping": 3.0}}}
+    run = (await console.http.post("/runs", json={"configuration": "published", "changes": changes, "seed": 7})).json()
+    assert [(each["path"], each["configured"], each["value"], each["unit"]) for each in run["changes"]] == [
+        ("control.impedance.damping", 1.5, 3.0, "N s/m")
+    ]
+    assert run["initial_spin"] == 1.0
+
+
 @pytest.mark.parametrize(
     ("wanted", "found"),
     [

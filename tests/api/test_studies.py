@@ -94,7 +94,14 @@ async def _expect_a_run_that_ends_as_its_row_says(console, study_id: str, row: d
     assert answer.status_code == 202, answer.text
     assert (answer.json()["kind"], answer.json()["parent"]) == ("study", study_id)
     run = await console.until_run(answer.json()["id"], "finished")
-    for measure in ("outcome", "peak_tip_force", "final_target_spin", "momentum_error", "cage_margin"):
+    for measure in (
+        "at_first_closure",
+        "at_locked_arms",
+        "peak_tip_force",
+        "final_target_spin",
+        "momentum_error",
+        "cage_margin",
+    ):
         assert run["outcome"][measure] == row[measure]
 
 

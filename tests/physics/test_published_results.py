@@ -130,7 +130,7 @@ class TestPublished:
         outcome = fly("published").outcome
         assert outcome.closed_at == pytest.approx(5.406, abs=CLOSING_TIME)
         assert outcome.at_first_closure is OutcomeClass.CAGED_FORCE_REDUCED
-        assert outcome.outcome is outcome.at_first_closure
+        assert outcome.outcome is outcome.at_locked_arms
 
     def test_blow_after_closure(self, fly):
         """What the paper's tables do not show: the hands strike while they finish closing."""

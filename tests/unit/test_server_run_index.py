@@ -7,10 +7,12 @@ import sqlite3
 import pytest
 
 from server import run_index
-from server.run_folder import Note, Remarks, write_record
+from server.run_folder import RECORD_NAME, Note, Remarks, write_record
 from server.run_index import FILE_NAME, RunIndex, RunQuery
 from server.runs import RunStore, new_record
+from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
+from sim.configurations import nested, revised
 from sim.errors import ConfigError
 
 
@@ -39,9 +41,9 @@ def found(index, limit=100, after=None, **wishes):
 def test_newest_first_page_by_page(store, index):
     ids = sorted((kept(store) for _ in range(5)), reverse=True)
     first = index.find(RunQuery(), 2)
-    assert first == (ids[:2], ids[1])
+    assert first == (ids[:2], ids[1], 5)
     second = index.find(RunQuery(), 2, first.following)
-    assert index.find(RunQuery(), 2, second.following) == (ids[4:], None)
+    assert index.find(RunQuery(), 2, second.following) == (ids[4:], None, 5)
 
 
 def test_what_is_written_changed_or_removed_is_known_at_once(store, index):
@@ -52,6 +54,66 @@ def test_what_is_written_changed_or_removed_is_known_at_once(store, index):
     assert found(index, starred=True) == found(index, text="hand slips") == [run]
     store.delete(run)
     assert found(index) == []
+
+
+def outcome(verdict, paper):
+    figures = {"peak_tip_force": 0.5, "peak_tip_force_to_closure": 0.4, "final_target_spin": 0.1}
+    rest = {"min_manipulability": 0.1, "momentum_error": 0.0, "duration": 9.0, "closed_at": 5.0, "locked_at": 6.0}
+    verdicts = {"outcome": verdict, "at_locked_arms": verdict, "at_first_closure": paper}
+    return Outcome(**verdicts, caged=verdict[:5] == "caged", cage_margin=0.01, contacts=[], **figures, **rest)
+
+
+def test_the_verdict_and_the_papers_are_two_filters(store, index):
+    blow = kept(store, outcome=outcome("base_collision", "caged_force_reduced"))
+    soft = kept(store, outcome=outcome("caged_force_reduced", "caged_force_reduced"))
+    assert found(index, outcome=OutcomeClass.CAGED_FORCE_REDUCED) == [soft]
+    assert found(index, outcome=OutcomeClass.BASE_COLLISION) == [blow]
+    assert sorted(found(index, at_first_closure=OutcomeClass.CAGED_FORCE_REDUCED)) == sorted([blow, soft])
+    assert index.tally() == {
+        ("scripted", "finished", "base_collision"): 1,
+        ("scripted", "finished", "caged_force_reduced"): 1,
+    }
+
+
+def test_runs_are_found_by_what_people_call_them_and_by_what_was_changed(store, index):
+    plain = kept(store)
+    config = revised(MissionConfig(), nested({"control.impedance.damping": 3.0}))
+    damped = kept(store, configuration="published (edited)", config=config)
+    store.remark(plain, Remarks(name="The Reference", tags=("paper", "Figure 7", "paper")))
+    assert found(index, text="impedance.damping") == found(index, text="DAMPING 3.0 edited") == [damped]
+    assert found(index, text="published reference") == found(index, text="figure") == [plain]
+    assert found(index, tag="figure 7") == [plain]
+    assert found(index, tag="figure") == []
+    assert store.read(plain).remarks.tags == ("paper", "Figure 7")
+
+
+@pytest.mark.parametrize(
+    ("sort", "values"),
+    [
+        ("seed", {"simulation.seed": 3}),
+        ("initial_spin", {"target.initial_spin": 2.0}),
+        ("changes", {"control.impedance.damping": 3.0}),
+    ],
+)
+def test_runs_are_ordered_by_what_was_chosen(store, index, sort, values):
+    plain = kept(store)
+    changed = kept(store, config=revised(MissionConfig(), nested(values)))
+    assert found(index, sort=sort) == [changed, plain]
+    if sort != "changes":
+        assert found(index, sort=sort, ascending=True) == [plain, changed]
+
+
+def test_a_page_of_five_hundred_runs_reads_no_other_run(store, index, monkeypatch):
+    first = kept(store)
+    record = (store.root / first / RECORD_NAME).read_text()
+    for number in range(499):
+        folder = store.root / f"20200101T{number:09}-000000"
+        folder.mkdir()
+        (folder / RECORD_NAME).write_text(record.replace(first, folder.name))
+    assert index.find(RunQuery(), 50).total == 500
+    monkeypatch.setattr(store, "read", lambda run_id: pytest.fail(f"{run_id} was read"))
+    page = index.find(RunQuery(sort="seed", text="published"), 50)
+    assert (len(page.ids), page.total) == (50, 500)
 
 
 def test_filters_fit_together(store, index):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -19,7 +20,7 @@ from sim.capture.judge import (
     overlaps_base,
     touches_of,
 )
-from sim.capture.snapshot import OutcomeClass
+from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.memory import MEMORY
@@ -256,13 +257,15 @@ class TestOutcome:
         outcome = self.judged(before=0.9, after=1.9).outcome()
         assert outcome.at_first_closure is OutcomeClass.CAGED_FORCE_REDUCED
         assert outcome.at_locked_arms is OutcomeClass.CAGED_FORCE_NOT_REDUCED
-        assert outcome.outcome is outcome.at_first_closure
+        assert outcome.outcome is outcome.at_locked_arms
         assert (outcome.peak_tip_force_to_closure, outcome.peak_tip_force) == (0.9, 1.9)
 
-    def test_rule_of_the_configuration_chooses(self):
-        config = revised(CONFIG, nested({"judging.rule": "locked_arms"}))
+    def test_one_verdict_whatever_a_study_asks_for_and_whatever_0_1_0_wrote(self):
+        config = revised(CONFIG, nested({"judging.rule": "first_closure"}))
         outcome = self.judged(before=0.9, after=1.9, config=config).outcome()
         assert outcome.outcome is OutcomeClass.CAGED_FORCE_NOT_REDUCED
+        stored = {**outcome.model_dump(mode="json"), "outcome": "caged_force_reduced"}
+        assert Outcome.model_validate_json(json.dumps(stored)) == outcome
 
     @pytest.mark.parametrize(
         ("force", "expected"),
