@@ -16,6 +16,7 @@ from pydantic import BaseModel
 
 from server.api.config import ConfigBody
 from server.api.health import Health
+from server.api.mission import Arming
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
 from server.control import ControlCommand
@@ -118,11 +119,26 @@ def mission() -> Call[MissionSnapshot]:
     return Call("GET", "mission", _as(MissionSnapshot))
 
 
+def arm(command: str, *, configuration: str | None = None, changes: Mapping[str, Any] | None = None) -> Call[Arming]:
+    """Arm what moves a robot or takes it anew: its token is good once, for a few seconds, for exactly that request."""
+    given = {"configuration": configuration, "changes": dict(changes or {})}
+    return Call("POST", "mission/arming", _as(Arming), {"command": command, **given})
+
+
 def command(
-    name: str, *, speed: float | None = None, ticks: int | None = None, configuration: str | None = None
+    name: str,
+    *,
+    speed: float | None = None,
+    ticks: int | None = None,
+    configuration: str | None = None,
+    changes: Mapping[str, Any] | None = None,
+    arming: str | None = None,
 ) -> Call[CommandAnswer]:
-    """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step."""
-    fields = {"speed": speed, "ticks": ticks, "configuration": configuration}
+    """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
+
+    With a robot, what moves it or takes it anew brings the token of an `arm`ing; a simulation needs none.
+    """
+    fields = {"speed": speed, "ticks": ticks, "configuration": configuration, "changes": changes, "arming": arming}
     given = {key: value for key, value in fields.items() if value is not None}
     return Call("POST", "mission/commands", _as(CommandAnswer), {"command": name, **given})
 
@@ -142,9 +158,13 @@ def config() -> Call[ConfigBody]:
     return Call("GET", "mission/config", _as(ConfigBody))
 
 
-def change(changes: Mapping[str, Any]) -> Call[ConfigBody]:
-    """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands."""
-    return Call("PATCH", "mission/config", _as(ConfigBody), dict(changes))
+def change(changes: Mapping[str, Any], *, arming: str | None = None) -> Call[ConfigBody]:
+    """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
+
+    With a robot, changes that take a new mission bring the token of an `arm`ing of `configure` with these changes.
+    """
+    headers = {} if arming is None else {"Becalm-Arming": arming}
+    return Call("PATCH", "mission/config", _as(ConfigBody), dict(changes), headers=headers)
 
 
 def start_run(

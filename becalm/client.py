@@ -14,7 +14,7 @@ import asyncio
 import json
 import os
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
 from functools import update_wrapper
 from pathlib import Path
 from types import TracebackType
@@ -28,8 +28,11 @@ from websockets.sync.client import connect
 
 from becalm import calls
 from becalm.calls import Call, ServiceRefused, ServiceUnreachable, read_answer
+from server.api.config import ConfigBody
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
+from server.arming import TO_BE_ARMED
+from server.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from sim.errors import CaptureError
 
@@ -118,11 +121,10 @@ class Client:
 
     health = _sync(calls.health)
     mission = _sync(calls.mission)
-    command = _sync(calls.command)
+    arm = _sync(calls.arm)
     stop = _sync(calls.stop)
     control = _sync(calls.control)
     config = _sync(calls.config)
-    change = _sync(calls.change)
     start_run = _sync(calls.start_run)
     run = _sync(calls.run)
     cancel_run = _sync(calls.cancel_run)
@@ -164,6 +166,38 @@ class Client:
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
+
+    def command(
+        self,
+        name: str,
+        *,
+        armed: bool = False,
+        speed: float | None = None,
+        ticks: int | None = None,
+        configuration: str | None = None,
+        changes: Mapping[str, Any] | None = None,
+    ) -> CommandAnswer:
+        """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
+
+        A robot is moved or taken anew by no command that was not armed: `armed` says that it is meant, and arms it
+        first; without it the service refuses. In simulation it makes no difference.
+        """
+        arming = (
+            self.arm(name, configuration=configuration, changes=changes).token
+            if armed and name in TO_BE_ARMED
+            else None
+        )
+        return self.done(
+            calls.command(name, speed=speed, ticks=ticks, configuration=configuration, changes=changes, arming=arming)
+        )
+
+    def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
+        """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
+
+        What takes a robot anew has to be `armed`, as with `command`.
+        """
+        arming = self.arm("configure", changes=changes).token if armed else None
+        return self.done(calls.change(changes, arming=arming))
 
     def watch(self, rate: float = 10.0) -> Iterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
@@ -225,11 +259,10 @@ class AsyncClient:
 
     health = _async(calls.health)
     mission = _async(calls.mission)
-    command = _async(calls.command)
+    arm = _async(calls.arm)
     stop = _async(calls.stop)
     control = _async(calls.control)
     config = _async(calls.config)
-    change = _async(calls.change)
     start_run = _async(calls.start_run)
     run = _async(calls.run)
     cancel_run = _async(calls.cancel_run)
@@ -267,6 +300,38 @@ class AsyncClient:
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
+
+    async def command(
+        self,
+        name: str,
+        *,
+        armed: bool = False,
+        speed: float | None = None,
+        ticks: int | None = None,
+        configuration: str | None = None,
+        changes: Mapping[str, Any] | None = None,
+    ) -> CommandAnswer:
+        """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
+
+        A robot is moved or taken anew by no command that was not armed: `armed` says that it is meant, and arms it
+        first; without it the service refuses. In simulation it makes no difference.
+        """
+        arming = (
+            (await self.arm(name, configuration=configuration, changes=changes)).token
+            if armed and name in TO_BE_ARMED
+            else None
+        )
+        return await self.done(
+            calls.command(name, speed=speed, ticks=ticks, configuration=configuration, changes=changes, arming=arming)
+        )
+
+    async def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
+        """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
+
+        What takes a robot anew has to be `armed`, as with `command`.
+        """
+        arming = (await self.arm("configure", changes=changes)).token if armed else None
+        return await self.done(calls.change(changes, arming=arming))
 
     async def watch(self, rate: float = 10.0) -> AsyncIterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""

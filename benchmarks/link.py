@@ -82,10 +82,16 @@ class Pair:
         """Ask the mission; try again while it is refused, for the robot may not be back yet."""
 
         def asked() -> Any:
-            answer = self.console.post("/api/v1/mission/commands", json=body)
+            answer = self.asked(body)
             return answer.json() if answer.status_code == 200 else None
 
         return dict(until(asked, 10.0, f"{body} is granted"))
+
+    def asked(self, body: dict[str, Any]) -> httpx.Response:
+        """The answer to a command, armed before, as what moves a robot has to be."""
+        arming = self.console.post("/api/v1/mission/arming", json=body)
+        token = arming.json().get("token") if arming.status_code == 200 else None
+        return self.console.post("/api/v1/mission/commands", json={**body, "arming": token})
 
     def link(self) -> dict[str, Any]:
         """The link's state."""
@@ -119,7 +125,7 @@ class Pair:
 
         def begun() -> bool:
             self.command(command="reset")
-            answer = self.console.post("/api/v1/mission/commands", json={"command": "capture"})
+            answer = self.asked({"command": "capture"})
             if answer.status_code != 200:
                 print([each["message"] for each in self.mission()["problems"]], file=sys.stderr, flush=True)
             return answer.status_code == 200

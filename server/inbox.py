@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -33,6 +34,7 @@ CommandName = Literal[
     "fork",
     "stop",
     "configure",
+    "arm",
     "take_control",
     "relieve",
     "hand_over",
@@ -48,6 +50,11 @@ class Revision(NamedTuple):
     after: MissionConfig
 
 
+def arguments_of(configuration: str | None = None, changes: Mapping[str, Any] | None = None) -> str:
+    """A request's arguments as a text: the same for the same arguments, whatever the order of their names."""
+    return json.dumps([configuration, changes or {}], sort_keys=True)
+
+
 @dataclass(frozen=True)
 class Request:
     """What somebody asks of the mission thread."""
@@ -58,10 +65,16 @@ class Request:
     ticks: int = 1
     configuration: str | None = None
     revision: Revision | None = None
-    """With `configure`."""
+    """With `configure`, and with `reset` if it takes changes."""
+    arguments: str = ""
+    """What else was asked for, as `arguments_of` has it; an arming is good for the same only."""
     fork: Fork | None = None
     to: str = ""
     """With `hand_over`: the name of who may take control."""
+    arming: str | None = None
+    """The token of an arming: with `arm` the new one, with any other command the one that it brings."""
+    arms: str = ""
+    """With `arm`: the command that is armed, whose arguments are the other fields."""
 
 
 class CommandAnswer(Published):

@@ -13,11 +13,12 @@ import time
 from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple, cast, get_args
 
+from server.arming import ARMED_TIME, TO_BE_ARMED, ArmedCommand, ArmedOrder, Moment
 from server.control import Control, ControlCommand
 from server.disk import DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
-from server.inbox import Answer, CommandAnswer, Inbox, Request
+from server.inbox import Answer, CommandAnswer, Inbox, Request, Revision
 from server.link.robot_link import RobotLink
 from server.link.zenoh_plant import ZenohPlant
 from server.live_mission import RESTING_PHASES, LiveMission, display_name
@@ -30,7 +31,7 @@ from server.run_folder import wall_clock
 from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
-from sim.control.phases import Command, Phase
+from sim.control.phases import Command, Phase, next_phase
 from sim.errors import CaptureError, LinkLost, MissionRefused
 
 PUBLISH_PERIOD = 1 / 60
@@ -102,6 +103,7 @@ class MissionLoop:
         self._mission: LiveMission | None = None
         self._pace = Pace(config.control.period, time.monotonic())
         self._flown_at: float | None = None
+        self._armed = ArmedOrder()
         self.failure: str | None = None
         self.control = Control()
         """Replaced by the mission thread only."""
@@ -312,6 +314,7 @@ class MissionLoop:
         if granted and self._pace.running:
             due = max(due, 1)  # what was granted begins with this tick, and the answer tells it
         self._fly(due, now)
+        self._armed.watch(self._moment, now)
         self._answers += [(answer, self._answered(request, message)) for request, answer, message in granted]
         if self._answers or now >= self._publish_at:
             self._publish(now)
@@ -327,6 +330,7 @@ class MissionLoop:
     def _obey_stops(self) -> list[tuple[Request, Answer, str]]:
         stops = self._inbox.stops()
         if stops:
+            self._armed.disarm()
             self._flying.stop()
             # Nothing that was asked for before a STOP may set the arms in motion after it.
             tip = "look at the robot, then ask again"
@@ -366,6 +370,8 @@ class MissionLoop:
                 answer.set_exception(error)
                 continue
             self.control = control or self.control
+            if request.command != "arm":
+                self._armed.disarm()  # what was armed before it was armed for how things stood then
             if flying is self._mission:  # else it was logged in the run that it ended
                 flying.log_request(request, accepted=True, message=message)
             if request.command == "step":
@@ -396,13 +402,44 @@ class MissionLoop:
         self.control.require(request.who)  # an offer is taken by saying so, not by a command
         return self.control.taken(request.who, wall_clock())
 
+    @property
+    def _moment(self) -> Moment:
+        return Moment(self._flying.run.id, self._flying.phase.label)
+
+    def _arm(self, request: Request) -> str:
+        """Let the next request carry out what moves the robot, if that may be done now.
+
+        Raises:
+            MissionRefused: the phase does not allow it.
+
+        """
+        command = cast("ArmedCommand", request.arms)
+        if command not in ("reset", "configure"):
+            next_phase(self._flying.phase, Command(command))
+        self._armed.arm(request, command, self._moment, time.monotonic())
+        return f"{command} is armed for {ARMED_TIME:g} s"
+
+    def _require_armed(self, request: Request) -> None:
+        """With a robot, what moves it or takes it anew has to be armed; a simulation takes an arming that is brought.
+
+        Raises:
+            MissionRefused: it is not.
+
+        """
+        if self._link is not None or request.arming is not None:
+            self._armed.redeem(request, self._moment, time.monotonic())
+
     def _change_control(self, request: Request) -> str:
         command = cast("ControlCommand", request.command)
         self.control, message = self.control.changed(command, request.who, request.to, wall_clock())
         return message
 
     def _grant(self, request: Request) -> str:
-        self._flying.grant(Command(request.command))
+        command = Command(request.command)
+        next_phase(self._flying.phase, command)  # what the phase does not allow is refused for that reason
+        if request.command in TO_BE_ARMED:
+            self._require_armed(request)
+        self._flying.grant(command)
         return f"{request.command} granted" + ("" if self._pace.running else "; it begins when the clock runs")
 
     def _pause(self, request: Request) -> str:
@@ -427,6 +464,9 @@ class MissionLoop:
     def _reset(self, request: Request) -> str:
         configuration = request.configuration or self._flying.configuration
         config = named_configuration(configuration) if request.configuration else self._flying.config
+        if request.revision is not None:
+            config = self._checked(request.revision, config)
+        self._require_armed(request)
         return self._replace(request, configuration, config, "reset")
 
     def _fork(self, request: Request) -> str:
@@ -446,17 +486,27 @@ class MissionLoop:
             MissionRefused: it takes a new mission, and this one is under way.
 
         """
-        revision = request.revision
-        assert revision is not None, "whoever asks has made it"
-        if revision.before is not self._flying.config:
-            raise ConfigOutdated("the parameters have changed meanwhile", tip="look at them, then change them again")
-        config = revision.after
+        assert request.revision is not None, "whoever asks has made it"
+        config = self._checked(request.revision, self._flying.config)
         if self._flying.can_take(config):
             self._flying.configure(config)
             self._show_view()
             return "parameters changed"
         self._flying.require_replaceable(config)
+        self._require_armed(request)
         return self._replace(request, self._flying.configuration, config, "parameters changed")
+
+    @staticmethod
+    def _checked(revision: Revision, base: MissionConfig) -> MissionConfig:
+        """The revised configuration, unless it was made from another one.
+
+        Raises:
+            ConfigOutdated: it was.
+
+        """
+        if revision.before is not base:
+            raise ConfigOutdated("the parameters have changed meanwhile", tip="look at them, then change them again")
+        return revision.after
 
     _DO: ClassVar[dict[str, Callable[[MissionLoop, Request], str]]] = {
         **dict.fromkeys([each.value for each in Command if each is not Command.STOP], _grant),
@@ -466,6 +516,7 @@ class MissionLoop:
         "reset": _reset,
         "fork": _fork,
         "configure": _configure,
+        "arm": _arm,
         **dict.fromkeys(get_args(ControlCommand), _change_control),
     }
 
@@ -515,6 +566,8 @@ class MissionLoop:
             plant=self._plant_status(now),
             commands={**flying.refusals(), **self._clock_refusals()},
             control=self.control,
+            arming_needed=() if self._link is None else TO_BE_ARMED,
+            armed=self._armed.shown(now),
             problems=flying.problems.shown(),
         )
         self._feed.publish(snapshot)

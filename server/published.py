@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from server.arming import Armed
 from server.control import Control
 from server.problems import Problem
 from sim.capture.snapshot import Published, Snapshot
@@ -31,4 +32,9 @@ class MissionSnapshot(Snapshot):
         description="Every command: null if it is allowed now, else the reason why not"
     )
     control: Control
+    arming_needed: tuple[str, ...] = Field(
+        description="Commands that take an arming: with a robot all that move it or take it anew; `configure` only for "
+        "parameters that take a new mission"
+    )
+    armed: Armed | None = Field(description="The command that is armed now; null if none is")
     problems: tuple[Problem, ...]

@@ -7,13 +7,13 @@ from enum import StrEnum
 from typing import Annotated, Any, Literal
 
 import annotated_types
-from fastapi import APIRouter, Body
+from fastapi import APIRouter, Body, Header
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.mission import answered
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
-from server.inbox import Request, Revision
+from server.inbox import Request, Revision, arguments_of
 from server.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
@@ -97,6 +97,10 @@ async def change_config(
         dict[str, Any],
         Body(description="Nested, only what changes", examples=[{"control": {"impedance": {"damping": 3.0}}}]),
     ],
+    becalm_arming: Annotated[
+        str | None,
+        Header(max_length=100, description="Token of `POST /mission/arming`; changes that take a robot anew need one"),
+    ] = None,
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
     for attempt in range(1, ATTEMPTS + 1):
@@ -104,7 +108,17 @@ async def change_config(
         # Here, not by the mission thread: what is asked may be anything, and takes its time to be refused.
         after = await asyncio.to_thread(revised, before, changes)
         try:
-            await answered(services, Request("configure", who=asker, revision=Revision(before, after)))
+            revision = Revision(before, after)
+            await answered(
+                services,
+                Request(
+                    "configure",
+                    who=asker,
+                    revision=revision,
+                    arguments=arguments_of(changes=changes),
+                    arming=becalm_arming,
+                ),
+            )
             break
         except ConfigOutdated:
             if attempt == ATTEMPTS:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated, Literal, Self
+import secrets
+from typing import Annotated, Any, Literal, Self
 
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
+from server.arming import ARMED_TIME, ArmedCommand
 from server.fork import Flight, Fork, forked
 from server.history import History
-from server.inbox import CommandAnswer, Request
+from server.inbox import CommandAnswer, Request, Revision, arguments_of
 from server.problems import LoopSilent
 from server.published import MissionSnapshot
 from server.versions import versions
-from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS
+from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS, revised
 from sim.errors import MissionRefused
 
 ANSWER_TIME = 2.0
@@ -39,6 +41,7 @@ class CommandRequest(BaseModel):
                 {"command": "run", "speed": 0},
                 {"command": "step", "ticks": 10},
                 {"command": "reset", "configuration": "published_figures"},
+                {"command": "reset", "configuration": "published", "changes": {"target": {"initial_spin": 0.8}}},
                 {"command": "fork", "tick": 3000},
             ]
         },
@@ -58,12 +61,25 @@ class CommandRequest(BaseModel):
     configuration: str | None = Field(
         None, description="With `reset`: a named configuration; the present one if left out"
     )
+    changes: dict[str, Any] | None = Field(
+        None, description="With `reset`: parameters that differ from that configuration, nested"
+    )
     run: str | None = Field(None, description="With `fork`: a run of the library; the present mission if left out")
     tick: int | None = Field(None, ge=1, description="With `fork`: the first tick that is flown anew")
+    arming: str | None = Field(
+        None, max_length=100, description="Token of `POST /mission/arming`; a robot is moved by no command without one"
+    )
 
     @model_validator(mode="after")
     def _fields_belong_to_the_command(self) -> Self:
-        owners = {"speed": "run", "ticks": "step", "configuration": "reset", "run": "fork", "tick": "fork"}
+        owners = {
+            "speed": "run",
+            "ticks": "step",
+            "configuration": "reset",
+            "changes": "reset",
+            "run": "fork",
+            "tick": "fork",
+        }
         for field, command in owners.items():
             if getattr(self, field) is not None and self.command != command:
                 value = getattr(self, field)
@@ -73,6 +89,37 @@ class CommandRequest(BaseModel):
         if self.speed is not None and 0 < self.speed < 0.1:
             raise ValueError(f"speed = {self.speed:g}: it is 0 (as fast as it goes) or 0.1 to 100")
         return self
+
+
+class ArmingRequest(BaseModel):
+    """What will be asked of the mission next."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"command": "capture"}]})
+
+    command: ArmedCommand
+    configuration: str | None = Field(None, description="With `reset`: as the command will name it")
+    changes: dict[str, Any] = Field(
+        default_factory=dict,
+        description="With `reset`: as the command will name them; with `configure`: the body of the PATCH of "
+        "`/mission/config` that follows",
+    )
+
+    @model_validator(mode="after")
+    def _fields_belong_to_the_command(self) -> Self:
+        if self.configuration is not None and self.command != "reset":
+            raise ValueError(f"configuration = {self.configuration!r}: it belongs to reset, not to {self.command}")
+        if self.changes and self.command not in ("reset", "configure"):
+            raise ValueError(f"changes = {self.changes!r}: they belong to reset and configure, not to {self.command}")
+        return self
+
+
+class Arming(BaseModel):
+    """What the command that was armed has to bring."""
+
+    token: str = Field(description="Good once, for who asked, for this command with these arguments, in this phase")
+    command: ArmedCommand
+    expires_in: float = Field(description="For how long it is good [s]")
+    message: str
 
 
 @router.get("", responses={200: {"model": MissionSnapshot}})
@@ -101,16 +148,43 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
     ticks = body.ticks or 1
     fork = None if body.tick is None else await asyncio.to_thread(_forked, services, body.run, body.tick)
     request = Request(
-        body.command, who=asker, speed=body.speed, ticks=ticks, configuration=body.configuration, fork=fork
+        body.command,
+        who=asker,
+        speed=body.speed,
+        ticks=ticks,
+        configuration=body.configuration,
+        revision=await _revision(services, body),
+        arguments=arguments_of(body.configuration, body.changes),
+        fork=fork,
+        arming=body.arming,
     )
     patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
     return await answered(services, request, patience)
+
+
+@router.post("/arming", responses=responses(409, 422, 504))
+async def arm(services: ServicesDep, asker: AskerDep, body: ArmingRequest) -> Arming:
+    """Arm a command: with a robot, all that move it or take it anew are refused without the token that this gives."""
+    token = secrets.token_urlsafe(16)
+    arguments = arguments_of(body.configuration, body.changes)
+    request = Request("arm", who=asker, arms=body.command, arguments=arguments, arming=token)
+    answer = await answered(services, request)
+    return Arming(token=token, command=body.command, expires_in=ARMED_TIME, message=answer.message)
 
 
 @router.post("/stop", responses=responses(504))
 async def stop(services: ServicesDep, asker: AskerDep) -> CommandAnswer:
     """Stop: joint rates zero, in every phase, before everything else that waits."""
     return await answered(services, Request("stop", who=asker))
+
+
+async def _revision(services: Services, body: CommandRequest) -> Revision | None:
+    """The configuration that a reset with changes asks for, checked by who asks; None without changes."""
+    if body.changes is None:
+        return None
+    named = NAMED_CONFIGURATIONS.get(body.configuration or "")
+    base = services.loop.view.config if named is None else named
+    return Revision(base, await asyncio.to_thread(revised, base, body.changes))
 
 
 def _forked(services: Services, run_id: str | None, tick: int) -> Fork:

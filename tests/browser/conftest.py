@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 CONSOLE = Path(__file__).parents[2] / "server" / "static" / "index.html"
 ARTIFACTS = Path(__file__).parents[2] / "test-artifacts"
@@ -130,6 +130,13 @@ def press(console: Page, command: str) -> None:
         if "data are old" not in answer.inner_text():
             break
     expect(answer).to_contain_text(f"{command} accepted")
+
+
+def is_amber(button: Locator) -> bool:
+    """Whether a button is filled with amber, as armed ones are; not with the green of a main button."""
+    colour = button.evaluate("button => getComputedStyle(button).backgroundColor")
+    red, green, blue = (int(part) for part in re.findall(r"\d+", colour)[:3])
+    return red > 200 and 120 < green < 220 and blue < 90
 
 
 @contextmanager

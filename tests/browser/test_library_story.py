@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from .conftest import ARTIFACTS, Service, press
+from .conftest import ARTIFACTS, Service, is_amber, press
 
 pytestmark = pytest.mark.browser
 
@@ -86,7 +86,12 @@ def test_a_paused_mission_goes_back_and_a_run_goes_on_from_a_moment(console: Pag
     view = console.get_by_role("region", name=f"Run {run}")
     expect(view.get_by_role("status").first).to_contain_text("finished")
     view.get_by_label("Moment of the run in seconds").fill("1.5")
-    view.get_by_role("button", name="Fork there").click()
+    view.get_by_role("button", name="Fork there", exact=True).click()
+    expect(view.get_by_role("status").last).to_contain_text("The mission that flies now ends.")
+    go = view.get_by_role("button", name="Go: Fork there")
+    assert is_amber(go)
+    expect(go).to_have_text(re.compile("[1-5] s"))  # later than the second half of a double click
+    go.click()
     expect(console.get_by_role("list", name="Phases").locator("[aria-current=step]")).to_contain_text("Caging")
     expect(clock).to_contain_text("01.499")
     console.screenshot(path=ARTIFACTS / "fork.png")

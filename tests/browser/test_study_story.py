@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -48,8 +49,9 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     cell = console.locator("section", has=console.get_by_role("heading", name="Cell 1"))
     expect(cell).to_contain_text(f"{chosen['peak_tip_force']:.3f} N")
     console.screenshot(path=ARTIFACTS / "studies.png")
-    cell.get_by_role("button", name="Fly it in the scene").click()
-    expect(console.get_by_role("list", name="Phases").locator("[aria-current=step]")).to_contain_text("Detumbling")
+    cell.get_by_role("button", name="Prepare it in the scene").click()
+    expect(console).to_have_url(re.compile("#/mission|/$"))
+    assert service.ask("/mission")["phase"] == "idle"  # an operator flies it
     flown = service.ask("/mission/config")["config"]
     assert flown["control"]["impedance"]["damping"] == chosen["control.impedance.damping"]
     assert flown["simulation"]["seed"] == chosen["seed"]

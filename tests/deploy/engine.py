@@ -129,6 +129,6 @@ def flies(client: becalm.Client) -> bool:
 def resets(client: becalm.Client) -> bool:
     """Whether the mission begins anew; it is refused while the robot cannot be flown."""
     try:
-        return client.command("reset").phase == "idle"
+        return client.command("reset", armed=True).phase == "idle"
     except ServiceRefused:
         return False

@@ -53,7 +53,7 @@ def _capture(project: ComposeProject, client: becalm.Client) -> str | None:
     eventually(lambda: status(client) == "faulted", "the console misses the robot")
     eventually(lambda: resets(client), "reset takes the robot")
     try:
-        client.command("capture")
+        client.command("capture", armed=True)
     except ServiceRefused:  # on a busy machine the link may be late at once
         return None
     for snapshot in client.watch():
@@ -140,7 +140,7 @@ def test_a_capture_through_the_router_cages_and_is_kept(project, console):
 
 
 def test_stop_reaches_the_robot(console):
-    console.command("capture")
+    console.command("capture", armed=True)
     answer = console.stop()
     assert answer.phase == "stopped"
     assert "acknowledged" in answer.message
@@ -151,7 +151,7 @@ def test_a_robot_that_restarts_is_a_fault_until_a_reset_takes_it(project, consol
     project.compose("restart", "robot")
     eventually(lambda: status(console) == "faulted", "the console misses the robot")
     eventually(lambda: resets(console), "reset takes the robot again")
-    assert console.command("detumble").accepted
+    assert console.command("detumble", armed=True).accepted
     assert project.inspected("console")["State"]["StartedAt"] == before
 
 
@@ -161,7 +161,7 @@ def test_a_router_that_dies_is_restarted_and_a_reset_flies_on(project, console):
     eventually(lambda: status(console) == "faulted", "the console misses the robot")
     eventually(lambda: project.inspected("router")["RestartCount"] > router["RestartCount"], "the engine restarts it")
     eventually(lambda: resets(console), "reset takes the robot again")
-    assert console.command("detumble").accepted
+    assert console.command("detumble", armed=True).accepted
 
 
 def test_a_console_that_restarts_has_its_runs(project, console):

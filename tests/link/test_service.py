@@ -11,6 +11,8 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, expect
 
+from server.arming import TO_BE_ARMED
+
 from .ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, keeping_up, until
 
 BOUND = 1000 * PATIENCE
@@ -28,7 +30,10 @@ class Service:
         return self.process.http.post(f"/api/v1{path}", json=body)
 
     def command(self, name: str) -> httpx.Response:
-        return self.post("/mission/commands", command=name)
+        """A command as a script gives it, which knows that a robot is moved by what was armed only."""
+        arming = self.post("/mission/arming", command=name) if name in TO_BE_ARMED else None
+        token = arming.json().get("token") if arming is not None else None
+        return self.post("/mission/commands", command=name, arming=token)
 
     def granted(self, name: str) -> dict[str, Any]:
         """What is refused while the robot comes back is asked again, as an operator would."""
@@ -90,6 +95,33 @@ def test_a_robots_clock_is_nobodys_to_choose(service, command):
     assert answer.status_code == 409
     assert "real time" in answer.json()["detail"]
     assert "real time" in service.get("/mission")["commands"][command]
+
+
+def _bodies(command: str) -> list[dict[str, Any]]:
+    extra: dict[str, Any] = {"reset": {"configuration": "testbed"}, "fork": {"tick": 1}}.get(command, {})
+    return [{"command": command}, {"command": command, **extra}, {"command": command, **extra, "arming": "guessed"}]
+
+
+@keeping_up
+def test_nothing_moves_the_robot_or_takes_it_anew_on_one_request(robot, service):
+    """Every route that changes something, asked once without an arming, by who may ask anything."""
+    session, commands = service.get("/link")["session"], service.get("/mission")["commands"]
+    for command in commands:
+        for body in _bodies(command):
+            service.post("/mission/commands", **body)
+    for changes in ({"target": {"mass": 3.0}}, {"control": {"impedance": {"damping": 3.0}}}):
+        service.process.http.patch("/api/v1/mission/config", json=changes)
+    paths = service.process.http.get("/openapi.json").json()["paths"]
+    for path, operations in paths.items():
+        address = path.replace("{name}", "x").replace("{run_id}", "20200101T000000000-abcdef")
+        for method in set(operations) & {"post", "put", "patch", "delete"} if "stop" not in path else ():
+            service.process.http.request(method, address, json={})
+    mission = service.get("/mission")
+    assert mission["phase"] == "idle"
+    assert set(mission["arming_needed"]) == set(TO_BE_ARMED)
+    assert service.get("/link")["session"] == session == robot.status["session"]
+    assert not any(arm["commanded_joint_rate"] != [0, 0, 0] for arm in (mission["left"], mission["right"]))
+    assert service.granted("detumble")["phase"] == "detumbling"
 
 
 @keeping_up

@@ -5,6 +5,8 @@ import { HERE, addressOf } from "./address";
 import { patience } from "./patience";
 import { noAnswer, refusalOf } from "./refusal";
 import type {
+  Arming,
+  ArmingRequest,
   CommandAnswer,
   CommandRequest,
   ConfigurationSchema,
@@ -83,6 +85,10 @@ export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
     }),
   );
 
+/** What moves a robot, or takes it anew, is refused without the token that this gives. */
+export const armCommand = (request: ArmingRequest): Promise<Arming> =>
+  bodyOf(client.POST("/api/v1/mission/arming", { body: request, ...within(ANSWER_TIME) }));
+
 export const stopMission = (): Promise<CommandAnswer> => bodyOf(client.POST("/api/v1/mission/stop", within(1500)));
 
 export const readControl = (): Promise<ControlStatus> => bodyOf(client.GET("/api/v1/mission/control", within(ANSWER_TIME)));
@@ -98,8 +104,14 @@ export const tareWrists = (): Promise<Tared> => bodyOf(client.POST("/api/v1/link
 export const readConfiguration = (): Promise<MissionConfiguration> =>
   bodyOf(client.GET("/api/v1/mission/config", within(ANSWER_TIME)));
 
-export const changeConfiguration = (changes: Record<string, unknown>): Promise<MissionConfiguration> =>
-  bodyOf(client.PATCH("/api/v1/mission/config", { body: changes, ...within(ANSWER_TIME) }));
+export const changeConfiguration = (changes: Record<string, unknown>, arming: string | null = null): Promise<MissionConfiguration> =>
+  bodyOf(
+    client.PATCH("/api/v1/mission/config", {
+      body: changes,
+      params: { header: { "becalm-arming": arming } },
+      ...within(ANSWER_TIME),
+    }),
+  );
 
 export const readConfigurationSchema = (): Promise<ConfigurationSchema> =>
   bodyOf(client.GET("/api/v1/mission/config/schema", within(ANSWER_TIME)));

@@ -4,6 +4,7 @@ import { AccessContext, useAccess, useAccessState } from "../features/access/ses
 import { SignIn } from "../features/access/SignIn";
 import { DeskContext } from "../features/commands/context";
 import { CommandDesk } from "../features/commands/desk";
+import { useDisarming } from "../features/commands/disarming";
 import { ConfigurationContext, useConfigurationState } from "../store/configuration";
 import { StoreContext } from "../store/context";
 import { surfaces, theme } from "../theme/theme";
@@ -14,6 +15,7 @@ import { Shell } from "./Shell";
 /** What every page shares of the live mission: its commands and its configuration. */
 function Mission() {
   const [desk] = useState(() => new CommandDesk());
+  useDisarming(desk);
   const configuration = useConfigurationState();
   return (
     <DeskContext value={desk}>

@@ -1,5 +1,5 @@
 /** Mantine's components in the console's colours, type and density. */
-import { createTheme, type CSSVariablesResolver, type MantineColorsTuple } from "@mantine/core";
+import { Button, createTheme, type CSSVariablesResolver, type MantineColorsTuple } from "@mantine/core";
 
 const calm: MantineColorsTuple = [
   "#e4fbf5", "#cbf3e9", "#9be7d4", "#6cdbc0", "#4fd1b5", "#35b79b", "#249a81", "#0b7a65", "#0a6f5c", "#054a3d",
@@ -20,7 +20,14 @@ export const theme = createTheme({
   cursorType: "pointer",
   focusRing: "auto",
   components: {
-    Button: { defaultProps: { size: "xs", variant: "default" } },
+    Button: Button.extend({
+      defaultProps: { size: "xs", variant: "default" },
+      // The main button of a place is calm; one that is given a colour has that colour.
+      vars: (_, { variant, color }) =>
+        variant === "filled" && color === undefined
+          ? { root: { "--button-bg": "var(--calm-fill)", "--button-hover": "var(--calm)", "--button-color": "var(--on-calm)" } }
+          : { root: {} },
+    }),
     ActionIcon: { defaultProps: { size: 28, variant: "default" } },
     NativeSelect: { defaultProps: { size: "xs" } },
     PasswordInput: { defaultProps: { size: "md" } },

@@ -7,6 +7,8 @@ import { Icon, type Sign } from "../../theme/Icon";
 import { useReasonAgainstCommanding } from "../control/control";
 import type { CommandWords } from "./catalogue";
 import { useDesk, useDeskView } from "./context";
+import { isSame, type Caution } from "./desk";
+import { ARMED_LOOK, SecondsLeft } from "./SecondsLeft";
 
 /** Why a command may not be given now; null if it may. */
 export function reasonAgainst(view: MissionView, command: string): string | null {
@@ -27,9 +29,10 @@ interface CommandButtonProps extends ButtonProps {
 }
 
 /** What the second press will do, for what takes two; null for what takes one. */
-export function armingWords(words: CommandWords, real: boolean, warning: string | null): string | null {
-  if (warning !== null) return warning;
-  return real && words.moves === true ? "The robot will move. Press again to go." : null;
+export function cautionOf(withRobot: string, byService: boolean, warning: string | null): Caution | null {
+  if (!byService && warning === null) return null;
+  const sentences = [warning, byService ? withRobot : null, "Press again to go."];
+  return { words: sentences.filter((each) => each !== null).join(" "), byService };
 }
 
 export function CommandButton({ words, sign, request = {}, against = null, warning = null, ...button }: CommandButtonProps) {
@@ -38,30 +41,31 @@ export function CommandButton({ words, sign, request = {}, against = null, warni
   const byMission = useView((view) => reasonAgainst(view, words.command));
   const reason = byWho ?? byMission ?? against;
   const waiting = useDeskView((view) => view.waiting.has(words.command));
-  const real = useSnapshot((snapshot) => snapshot.plant.kind === "zenoh") ?? false;
-  const armed = useDeskView((view) => view.armed === words.command);
-  const arming = armingWords(words, real, warning);
+  const byService = useSnapshot((snapshot) => snapshot.arming_needed.includes(words.command)) ?? false;
+  const asked: CommandRequest = { command: words.command, ...request };
+  const armed = useDeskView((view) => (view.armed !== null && isSame(view.armed.request, asked) ? view.armed : null));
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);
-    else desk.press({ command: words.command, ...request }, arming);
+    else void desk.press(asked, cautionOf(words.withRobot ?? "The robot will move.", byService, warning));
   };
   return (
-    <Tooltip label={reason ?? words.does} position="right">
+    <Tooltip label={reason ?? words.does} position="right" disabled={armed !== null}>
       <Button
         {...button}
-        {...(armed && { variant: "filled", color: "yellow", autoContrast: true })}
+        {...(armed && ARMED_LOOK)}
         leftSection={sign && <Icon sign={sign} />}
         // Not `disabled`: it must keep the focus and be able to say why.
         data-disabled={reason !== null}
         aria-disabled={reason !== null}
         aria-busy={waiting}
+        aria-label={armed === null ? words.label : `Go: ${words.label}`}
         loading={waiting}
         onClick={press}
         onBlur={() => {
           if (armed) desk.disarm();
         }}
       >
-        {armed ? `Go: ${words.label}` : words.label}
+        {armed === null ? words.label : <SecondsLeft until={armed.until} />}
       </Button>
     </Tooltip>
   );

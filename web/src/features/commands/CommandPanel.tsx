@@ -5,6 +5,7 @@ import { Panel } from "../../app/Panel";
 import { readNamedConfigurations } from "../../api/service";
 import type { NamedConfiguration } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
+import { useWhatIsLost } from "../mission/lost";
 import { AnswerLine } from "./AnswerLine";
 import { CAPTURE, RESET, SEQUENCE } from "./catalogue";
 import { CommandButton } from "./CommandButton";
@@ -26,7 +27,7 @@ function ResetRow() {
   const configurations = useNamedConfigurations();
   const current = useSnapshot((snapshot) => snapshot.configuration.replace(" (edited)", "")) ?? "";
   const [chosen, setChosen] = useState<string | null>(null);
-  const edited = useSnapshot((snapshot) => snapshot.configuration.endsWith(" (edited)")) ?? false;
+  const lost = useWhatIsLost();
   const name = chosen ?? current;
   const description = configurations.find((configuration) => configuration.name === name)?.description ?? "";
   return (
@@ -40,7 +41,7 @@ function ResetRow() {
           setChosen(event.currentTarget.value);
         }}
       />
-      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} warning={edited ? "What was edited is lost, unless it is kept as a preset. Press again to reset." : null} />
+      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} warning={lost} />
     </div>
   );
 }
@@ -58,7 +59,7 @@ export function CommandPanel() {
         </div>
         <ResetRow />
       </div>
-      {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses.</p> : <SimulationControls />}
+      {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses: the first arms the command for a few seconds.</p> : <SimulationControls />}
       <AnswerLine />
     </Panel>
   );

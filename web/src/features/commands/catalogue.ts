@@ -5,29 +5,29 @@ export interface CommandWords {
   readonly command: Command;
   readonly label: string;
   readonly does: string;
-  /** Sets the arms in motion. */
-  readonly moves?: boolean;
+  /** What it does to a robot, beside moving it. */
+  readonly withRobot?: string;
 }
 
 export const CAPTURE: CommandWords = {
   command: "capture",
   label: "Capture",
   does: "The whole sequence: detumble by soft touches, cage with both hands, lock the arms.",
-  moves: true,
 };
 
 export const SEQUENCE: readonly CommandWords[] = [
-  { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds.", moves: true },
-  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin.", moves: true },
-  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison.", moves: true },
+  { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds." },
+  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin." },
+  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison." },
   { command: "hold", label: "Hold", does: "Holds all joints where they are." },
-  { command: "release", label: "Release", does: "Both hands open and draw back.", moves: true },
+  { command: "release", label: "Release", does: "Both hands open and draw back." },
 ];
 
 export const RESET: CommandWords = {
   command: "reset",
   label: "Reset",
   does: "Ends this run and begins a new one from the start of the chosen configuration.",
+  withRobot: "The robot is taken for a new mission, as it stands.",
 };
 
 export const PAUSE: CommandWords = { command: "pause", label: "Pause", does: "Mission time stands still." };

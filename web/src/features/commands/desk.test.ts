@@ -1,14 +1,21 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { noAnswer, refusalOf } from "../../api/refusal";
-import type { CommandAnswer } from "../../api/types";
+import type { Arming, CommandAnswer } from "../../api/types";
 import { ARMED_TIME, CommandDesk, DOUBLE_CLICK } from "./desk";
 
 const answer: CommandAnswer = { id: "c", command: "capture", accepted: true, phase: "detumbling", tick: 1, time: 0, message: "begins" };
 const never = () => Promise.reject(new Error("not expected"));
 
+const MOVES = { words: "The robot will move.", byService: false };
+const ROBOT_MOVES = { ...MOVES, byService: true };
+const arming: Arming = { token: "t", command: "capture", expires_in: 6, message: "capture is armed" };
+
+const deskWith = (service: Partial<Record<"send" | "stop" | "arm", unknown>>): CommandDesk =>
+  new CommandDesk({ send: never, stop: never, arm: never, ...service } as ConstructorParameters<typeof CommandDesk>[0]);
+
 describe("a command on its way", () => {
   it("waits, then shows what the service said", async () => {
-    const desk = new CommandDesk({ send: () => Promise.resolve(answer), stop: never });
+    const desk = deskWith({ send: () => Promise.resolve(answer), stop: never });
     const sent = desk.send({ command: "capture" });
     expect(desk.read().waiting.has("capture")).toBe(true);
     expect(desk.read().answer?.verdict).toBe("waiting");
@@ -19,14 +26,14 @@ describe("a command on its way", () => {
 
   it("shows the reason of a refusal", async () => {
     const refusal = refusalOf(409, { title: "Refused", detail: "hold it first", tip: "press Hold" });
-    const desk = new CommandDesk({ send: () => Promise.reject(refusal), stop: never });
+    const desk = deskWith({ send: () => Promise.reject(refusal), stop: never });
     await desk.send({ command: "release" });
     expect(desk.read().answer).toMatchObject({ verdict: "refused", words: "hold it first", tip: "press Hold" });
   });
 
   it("claims nothing when no answer came", async () => {
     const send = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
-    const desk = new CommandDesk({ send, stop: never });
+    const desk = deskWith({ send, stop: never });
     await desk.send({ command: "capture" });
     expect(desk.read().answer?.verdict).toBe("unknown");
     expect(send).toHaveBeenCalledTimes(1);
@@ -34,7 +41,7 @@ describe("a command on its way", () => {
 
   it("is sent once however often it is pressed", async () => {
     const send = vi.fn(() => Promise.resolve(answer));
-    const desk = new CommandDesk({ send, stop: never });
+    const desk = deskWith({ send, stop: never });
     await Promise.all([desk.send({ command: "capture" }), desk.send({ command: "capture" })]);
     expect(send).toHaveBeenCalledTimes(1);
   });
@@ -49,60 +56,108 @@ describe("a command in two steps", () => {
   });
 
   it("stays armed for a while only", () => {
-    const desk = new CommandDesk({ send: never, stop: never });
-    desk.arm("capture", "The robot will move.");
-    expect(desk.read()).toMatchObject({ armed: "capture", answer: { verdict: "armed", words: "The robot will move." } });
+    const desk = deskWith({});
+    void desk.press({ command: "reset" }, MOVES);
+    expect(desk.read()).toMatchObject({ armed: { order: "reset", token: null }, answer: { verdict: "armed", words: MOVES.words } });
     vi.advanceTimersByTime(ARMED_TIME - 1);
-    expect(desk.read().armed).toBe("capture");
+    expect(desk.read().armed).not.toBeNull();
     vi.advanceTimersByTime(1);
     expect(desk.read()).toMatchObject({ armed: null, answer: null });
   });
 
   it("goes at the second press, unless that is the end of a double click", async () => {
     const send = vi.fn(() => Promise.resolve(answer));
-    const desk = new CommandDesk({ send, stop: never });
-    desk.press({ command: "capture" }, "The robot will move.");
+    const desk = deskWith({ send });
+    void desk.press({ command: "capture" }, MOVES);
     vi.advanceTimersByTime(DOUBLE_CLICK - 1);
-    desk.press({ command: "capture" }, "The robot will move.");
+    void desk.press({ command: "capture" }, MOVES);
     expect(send).not.toHaveBeenCalled();
     vi.advanceTimersByTime(1);
-    desk.press({ command: "capture" }, "The robot will move.");
+    void desk.press({ command: "capture" }, MOVES);
     await vi.waitFor(() => {
       expect(desk.read().answer?.verdict).toBe("accepted");
     });
     expect(send).toHaveBeenCalledExactlyOnceWith({ command: "capture" });
     expect(desk.read().armed).toBeNull();
-    desk.press({ command: "hold" }, null);
+    void desk.press({ command: "hold" }, null);
     expect(send).toHaveBeenCalledTimes(2);
   });
 
   it("is armed no longer once anything else was ordered, or STOP", async () => {
-    const desk = new CommandDesk({ send: () => Promise.resolve(answer), stop: () => Promise.resolve(answer) });
+    const desk = deskWith({ send: () => Promise.resolve(answer), stop: () => Promise.resolve(answer) });
     for (const other of [() => desk.send({ command: "hold" }), () => desk.stop()]) {
-      desk.arm("capture", "The robot will move.");
+      await desk.arm({ command: "capture" }, MOVES);
       await other();
       expect(desk.read().armed).toBeNull();
     }
-    desk.arm("capture", "");
+    await desk.arm({ command: "capture" }, MOVES);
     desk.explain("cage", "not now");
     expect(desk.read().armed).toBeNull();
-    desk.arm("capture", "");
-    desk.arm("release", "");
-    expect(desk.read().armed).toBe("release");
+    await desk.arm({ command: "capture" }, MOVES);
+    await desk.arm({ command: "release" }, MOVES);
+    expect(desk.read().armed?.order).toBe("release");
+  });
+});
+
+describe("a command that the service arms", () => {
+  beforeEach(() => {
+    vi.useFakeTimers();
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  it("brings what the service gave for it, for as long as the service says", async () => {
+    const send = vi.fn(() => Promise.resolve(answer));
+    const arm = vi.fn(() => Promise.resolve(arming));
+    const desk = deskWith({ send, arm });
+    const request = { command: "reset", configuration: "testbed", changes: { a: 1 } } as const;
+    await desk.arm(request, ROBOT_MOVES);
+    expect(arm).toHaveBeenCalledExactlyOnceWith(request);
+    vi.advanceTimersByTime(1000 * arming.expires_in - 1);
+    void desk.press(request, ROBOT_MOVES);
+    expect(send).toHaveBeenCalledExactlyOnceWith({ ...request, arming: "t" });
+    await desk.arm({ command: "capture" }, ROBOT_MOVES);
+    vi.advanceTimersByTime(1000 * arming.expires_in);
+    expect(desk.read().armed).toBeNull();
+  });
+
+  it("is not armed by a refusal, nor by no answer", async () => {
+    for (const cause of [refusalOf(409, { detail: "not in this phase" }), noAnswer(new TypeError("failed to fetch"))]) {
+      const desk = deskWith({ arm: () => Promise.reject(cause) });
+      await desk.arm({ command: "capture" }, ROBOT_MOVES);
+      expect(desk.read()).toMatchObject({ armed: null, answer: { words: cause.message } });
+      expect(desk.read().waiting.size).toBe(0);
+    }
+  });
+
+  it("follows the service, which takes it back after a STOP or with another phase", async () => {
+    const desk = deskWith({ arm: () => Promise.resolve(arming) });
+    const told = { command: "capture", by: "ana", expires_in: 5 } as const;
+    await desk.arm({ command: "capture" }, ROBOT_MOVES);
+    desk.heed(null); // a snapshot from before it was armed
+    expect(desk.read().armed).not.toBeNull();
+    desk.heed(told);
+    expect(desk.read().armed).not.toBeNull();
+    desk.heed(null);
+    expect(desk.read().armed).toBeNull();
+    await desk.arm({ command: "reset" }, MOVES);
+    desk.heed(null); // what only the page asks twice about is none of the service's
+    expect(desk.read().armed?.order).toBe("reset");
   });
 });
 
 describe("STOP", () => {
   it("is sent again until it is answered, but not for ever", async () => {
     const stop = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
-    const desk = new CommandDesk({ send: never, stop });
+    const desk = deskWith({ send: never, stop });
     await desk.stop();
     expect(stop).toHaveBeenCalledTimes(3);
     expect(desk.read().stop?.verdict).toBe("unknown");
   });
 
   it("does not wait for a command that is under way", async () => {
-    const desk = new CommandDesk({ send: () => new Promise(() => undefined), stop: () => Promise.resolve(answer) });
+    const desk = deskWith({ send: () => new Promise(() => undefined), stop: () => Promise.resolve(answer) });
     void desk.send({ command: "capture" });
     await desk.stop();
     expect(desk.read().stop?.verdict).toBe("accepted");

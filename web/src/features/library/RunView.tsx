@@ -8,13 +8,13 @@ import { Panel } from "../../app/Panel";
 import { go, hashOf } from "../../app/route";
 import { useDoing, type Doing } from "../../app/use-doing";
 import type { Refusal } from "../../api/refusal";
-import { cancelRun, deleteRun, logAddress, remarkRun, sendCommand } from "../../api/service";
+import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
 import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
 import { readNumber } from "../../units/numbers";
 import { clock, fixed, plain } from "../../units/units";
 import { useReasonByRole } from "../access/session";
-import { useReasonAgainstCommanding } from "../control/control";
+import { PrepareButton } from "../commands/PrepareButton";
 import { EventLog } from "../events/EventLog";
 import { ComparedContext, comparedWith, type Alignment } from "../plots/compared";
 import { PlotPanel } from "../plots/PlotPanel";
@@ -85,29 +85,23 @@ function RunFacts({ run }: { readonly run: Run }) {
   );
 }
 
+const NO_MOMENT = "There is no such moment in this run.";
+
 /** Makes a moment of this run the live mission, paused, as a run of its own. */
-function Fork({ run, doing, player }: { readonly run: Run; readonly doing: Doing; readonly player: Player }) {
+function Fork({ run, player }: { readonly run: Run; readonly player: Player }) {
   const [typed, setTyped] = useState<string | null>(null);
   const { time: shown } = useSyncExternalStore(player.subscribe, player.read);
-  const reason = useReasonAgainstCommanding();
   const time = typed ?? fixed(shown, 3);
   const read = readNumber(time);
   const moment = "value" in read ? read.value : null;
   const sound = moment !== null && moment > 0 && moment <= run.duration;
-  const fork = () =>
-    doing(async () => {
-      if (moment === null) return;
-      await sendCommand({ command: "fork", run: run.id, tick: Math.max(1, Math.round(moment / run.config.control.period)) });
-      go("mission");
-    });
+  const tick = Math.max(1, Math.round((moment ?? 0) / run.config.control.period));
   return (
     <Panel title="Go on from a moment">
       <div className={styles.writing}>
         <p className={styles.why}>Puts the mission where this run was, paused: change parameters, then run. It becomes a run of its own.</p>
         <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTyped(event.currentTarget.value); }} />
-        <Button disabled={!sound || reason !== null} title={reason ?? undefined} onClick={() => void fork()}>
-          Fork there
-        </Button>
+        <PrepareButton label="Fork there" request={{ command: "fork", run: run.id, tick }} against={sound ? null : NO_MOMENT} />
       </div>
     </Panel>
   );
@@ -204,7 +198,7 @@ export function RunView({ recording, compared, missing, onChange }: RunViewProps
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <RunFacts run={run} />
           </Panel>
-          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} doing={doing} player={player} />}
+          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} player={player} />}
           <Notes run={run} doing={doing} player={player} />
         </div>
       </div>

@@ -8,6 +8,7 @@ import { changeConfiguration, readConfiguration } from "../../api/service";
 import type { MissionConfiguration, Parameter, Preset, PresetBody } from "../../api/types";
 import { useConfiguration, type Configuration } from "../../store/configuration";
 import { Icon } from "../../theme/Icon";
+import { useArmingOf } from "./arming";
 import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, words, type Change, type Draft } from "./draft";
 import { ParameterField } from "./ParameterField";
 import styles from "./ParameterPanel.module.css";
@@ -111,10 +112,13 @@ export function ParameterPanel() {
       setRefusal(cause);
     }
   };
+  const arming = useArmingOf(changes);
   const apply = async (): Promise<void> => {
     setApplying(true);
+    setRefusal(null);
     try {
-      setInForce(await changeConfiguration(patchOf(changes)));
+      if (await arming.comesFirst()) return;
+      setInForce(await changeConfiguration(patchOf(changes), arming.armed?.arming.token ?? null));
       discard();
     } catch (cause) {
       if (!(cause instanceof Refusal)) throw cause;
@@ -159,6 +163,7 @@ export function ParameterPanel() {
         touched={Object.keys(draft).length > 0}
         refusal={refusal}
         applying={applying}
+        armed={arming.armed}
         apply={() => void apply()}
         discard={discard}
       />

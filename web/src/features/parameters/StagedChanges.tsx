@@ -5,7 +5,9 @@ import type { Refusal } from "../../api/refusal";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
 import { shown } from "../../units/units";
+import { ARMED_LOOK, SecondsLeft } from "../commands/SecondsLeft";
 import { useReasonAgainstCommanding } from "../control/control";
+import type { ArmedChanges } from "./arming";
 import { fieldText, words, type Change } from "./draft";
 import styles from "./StagedChanges.module.css";
 
@@ -16,6 +18,8 @@ interface StagedChangesProps {
   readonly touched: boolean;
   readonly refusal: Refusal | null;
   readonly applying: boolean;
+  /** Set while the next press applies them with a robot. */
+  readonly armed: ArmedChanges | null;
   readonly apply: () => void;
   readonly discard: () => void;
 }
@@ -34,7 +38,7 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
   );
 }
 
-export function StagedChanges({ changes, unsound, touched, refusal, applying, apply, discard }: StagedChangesProps) {
+export function StagedChanges({ changes, unsound, touched, refusal, applying, armed, apply, discard }: StagedChangesProps) {
   const live = useView((view) => view.trust === "live");
   const byWho = useReasonAgainstCommanding();
   if (!touched) return null;
@@ -54,16 +58,22 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ap
           <Icon sign="warning" /> <span>{`${refusal.message} ${refusal.tip && `(${refusal.tip})`}`}</span>
         </p>
       )}
+      {armed !== null && (
+        <p className={styles.refusal} role="status">
+          <Icon sign="warning" /> <span>The robot is taken for a new mission, as it stands. Press again to go.</span>
+        </p>
+      )}
       <div className={styles.buttons}>
         <Button onClick={discard}>Discard</Button>
         <Button
           variant="filled"
+          {...(armed && ARMED_LOOK)}
           disabled={unsound > 0 || changes.length === 0 || !live || byWho !== null}
           title={byWho ?? undefined}
           loading={applying}
           onClick={apply}
         >
-          Apply
+          {armed === null ? "Apply" : <SecondsLeft until={armed.until} />}
         </Button>
       </div>
     </section>

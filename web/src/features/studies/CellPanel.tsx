@@ -3,8 +3,9 @@ import { Button } from "@mantine/core";
 import { Panel } from "../../app/Panel";
 import { go } from "../../app/route";
 import { useDoing } from "../../app/use-doing";
-import { changeConfiguration, runCell, sendCommand } from "../../api/service";
-import type { StudyDetail, StudyRow } from "../../api/types";
+import { runCell } from "../../api/service";
+import type { CommandRequest, StudyDetail, StudyRow } from "../../api/types";
+import { PrepareButton } from "../commands/PrepareButton";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
 import { lookOf } from "../../theme/looks";
@@ -13,15 +14,18 @@ import styles from "./StudiesPage.module.css";
 
 type Flat = Readonly<Record<string, unknown>>;
 
-/** The live mission becomes this cell, bit for bit: its configuration, its seed, its command. */
-async function flyInScene(study: StudyDetail, row: StudyRow): Promise<void> {
-  const definition = study.definition as { configuration?: string; changes?: Flat; direct?: boolean };
+/** Makes the live mission this cell, bit for bit: its configuration and its seed, at rest; the operator flies it. */
+function preparation(study: StudyDetail, row: StudyRow): CommandRequest {
+  const definition = study.definition as { configuration?: string; changes?: Flat };
   const varied = Object.fromEntries(study.axes.map((axis) => [axis.path, row[axis.path]]));
-  const configuration = definition.configuration ?? "published";
-  await sendCommand({ command: "reset", configuration });
-  await changeConfiguration(nested({ ...definition.changes, ...varied, "simulation.seed": row["seed"] }));
-  await sendCommand({ command: definition.direct === true ? "direct_cage" : "capture" });
+  return {
+    command: "reset",
+    configuration: definition.configuration ?? "published",
+    changes: nested({ ...definition.changes, ...varied, "simulation.seed": row["seed"] }),
+  };
 }
+
+const isDirect = (study: StudyDetail): boolean => (study.definition as { direct?: boolean }).direct === true;
 
 const LABELS: readonly (readonly [string, string])[] = [
   ["outcome", "Outcome"],
@@ -57,10 +61,6 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
     );
   }
   const cell = Number(row["cell"]);
-  const fly = async () => {
-    await flyInScene(study, row);
-    go("mission");
-  };
   const keep = async () => {
     go("runs", (await runCell(study.id, cell)).id);
   };
@@ -82,13 +82,12 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
       </dl>
       {typeof row["error"] === "string" && <p className={styles.hint}>{row["error"]}</p>}
       <div className={styles.actions}>
-        <Button variant="filled" disabled={waiting} onClick={() => void doing(fly)}>
-          Fly it in the scene
-        </Button>
+        <PrepareButton label="Prepare it in the scene" request={preparation(study, row)} />
         <Button disabled={waiting} onClick={() => void doing(keep)}>
           Keep as a run
         </Button>
       </div>
+      <p className={styles.hint}>{`Prepared, it rests on the mission's page until ${isDirect(study) ? "Direct caging" : "Capture"} is pressed there.`}</p>
       {refusal && (
         <p className={styles.trouble} role="alert">
           <strong>{refusal.message}</strong> <span>{refusal.tip}</span>

@@ -1,0 +1,66 @@
+/** A button of another page that puts something in the live mission's place, at rest: it asks before anything is lost. */
+import { Button } from "@mantine/core";
+import { useState } from "react";
+import type { CommandRequest } from "../../api/types";
+import { go } from "../../app/route";
+import { useSnapshot, useView } from "../../store/context";
+import { useReasonAgainstCommanding } from "../control/control";
+import { useWhatIsLost } from "../mission/lost";
+import { RESET } from "./catalogue";
+import { cautionOf, reasonAgainst } from "./CommandButton";
+import { useDesk, useDeskView } from "./context";
+import { isSame, type Answer } from "./desk";
+import styles from "./PrepareButton.module.css";
+import { ARMED_LOOK, SecondsLeft } from "./SecondsLeft";
+
+interface PrepareButtonProps {
+  readonly label: string;
+  readonly request: CommandRequest;
+  /** Why this cannot be asked for as it is; null if it can. */
+  readonly against?: string | null;
+}
+
+function Said({ answer }: { readonly answer: Answer }) {
+  if (answer.verdict === "accepted" || answer.verdict === "waiting") return null;
+  return (
+    <p className={styles.said} role={answer.verdict === "armed" ? "status" : "alert"} data-verdict={answer.verdict}>
+      {`${answer.words} ${answer.tip}`}
+    </p>
+  );
+}
+
+export function PrepareButton({ label, request, against = null }: PrepareButtonProps) {
+  const desk = useDesk();
+  const lost = useWhatIsLost();
+  const byWho = useReasonAgainstCommanding();
+  const byMission = useView((view) => reasonAgainst(view, request.command));
+  const reason = byWho ?? byMission ?? against;
+  const byService = useSnapshot((snapshot) => snapshot.arming_needed.includes(request.command)) ?? false;
+  const waiting = useDeskView((view) => view.waiting.has(request.command));
+  const armed = useDeskView((view) => (view.armed !== null && isSame(view.armed.request, request) ? view.armed : null));
+  const [answer, setAnswer] = useState<Answer | null>(null);
+  const press = async (): Promise<void> => {
+    const said = await desk.press(request, cautionOf(RESET.withRobot ?? "", byService, lost));
+    setAnswer(said);
+    if (said.verdict === "accepted") go("mission");
+  };
+  return (
+    <>
+      <Button
+        variant="filled"
+        {...(armed && ARMED_LOOK)}
+        disabled={reason !== null}
+        title={reason ?? undefined}
+        loading={waiting}
+        aria-label={armed === null ? label : `Go: ${label}`}
+        onClick={() => void press()}
+        onBlur={() => {
+          if (armed) desk.disarm();
+        }}
+      >
+        {armed === null ? label : <SecondsLeft until={armed.until} />}
+      </Button>
+      {answer !== null && (answer.verdict !== "armed" || armed !== null) && <Said answer={answer} />}
+    </>
+  );
+}
