@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
 from functools import partial
 from typing import Any
 
@@ -51,7 +51,7 @@ from server.presets import PresetStore
 from server.projector import Projector
 from server.realtime import switch_promptly
 from server.recorder import Recorder
-from server.retention import keep_removing
+from server.retention import Expired, keep_removing
 from server.run_index import RunIndex
 from server.runs import RunStore
 from server.scene import Scene
@@ -93,10 +93,10 @@ def create_app(settings: Settings) -> FastAPI:
     feed = Feed()
     store = RunStore(settings.data_dir / "runs")
     recorder = Recorder(store)
-    disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE)
+    studies = StudyStore(settings.data_dir / "studies")
+    disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
     robot = link_of(settings, initial)
     loop = MissionLoop(settings.configuration, initial, feed, recorder, disk, robot)
-    studies = StudyStore(settings.data_dir / "studies")
     study_queue = StudyQueue(studies, partial(_study_workers, settings))
     access = _access(settings)
     live_scene, playbacks = Scene(initial), Playbacks()
@@ -176,6 +176,9 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         switch_promptly()
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
+        for root in (services.store.root, services.studies.root):
+            with suppress(OSError):  # told by whoever needs it: the mission does not
+                root.mkdir(parents=True, exist_ok=True)
         services.disk.look()
         services.recorder.start()
         if services.link is not None:
@@ -187,7 +190,11 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.study_queue.start()
         settings = services.settings
         watching = (
-            asyncio.create_task(keep_removing(services.store, settings.keep_days, settings.keep_gb)),
+            asyncio.create_task(
+                keep_removing(
+                    services.store, settings.keep_days, settings.keep_gb, partial(_note_removed, services.access.audit)
+                )
+            ),
             asyncio.create_task(services.disk.keep_looking()),
         )
         try:
@@ -199,6 +206,10 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
             await _end(services, projector)
 
     return lifespan
+
+
+def _note_removed(audit: AuditLog, gone: Expired) -> None:
+    audit.note("retention", method="DELETE", path=f"{PREFIX}/runs/{gone.run_id}", status=204, why=gone.why)
 
 
 async def _end(services: Services, projector: Projector) -> None:

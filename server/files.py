@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import errno
+import logging
+import math
 import os
+import shutil
 import stat
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import from_json
 
 from server.problems import StoredUnreadable
 from sim.files import replacing
@@ -18,8 +24,13 @@ M = TypeVar("M", bound=BaseModel)
 LARGEST_DOCUMENT = 16_000_000
 """Bytes of a document that is read whole; the largest that make sense have some ten thousand."""
 
+LONGEST_LINE = 1_000_000
+"""Bytes of a line of JSON; the longest that make sense have some thousand."""
+
 LONGEST_NAME = 80
 """Characters of a name in a file that a message repeats."""
+
+log = logging.getLogger(__name__)
 
 
 def replace_file(path: Path, content: bytes, *, mode: int = 0o644) -> None:
@@ -40,7 +51,11 @@ def read_document(path: Path, model: type[M]) -> M:
 
     """
     try:
-        return model.model_validate_json(_content(path))
+        content = _content(path)
+        document = model.model_validate_json(content)
+        if not _finite(from_json(content)):
+            raise StoredUnreadable(f"{path.name} is damaged: a number in it is not finite")
+        return document
     except ValidationError as error:
         raise StoredUnreadable(f"{path.name} is damaged or of another version: {_finding(error)}") from None
     except RecursionError:
@@ -53,16 +68,72 @@ def read_document(path: Path, model: type[M]) -> M:
         raise StoredUnreadable(f"{path.name} cannot be read: {error.strerror}") from error
 
 
+def read_lines(path: Path, model: type[M], *, strict: bool = False) -> Iterator[M]:
+    """What each line of a file of JSON lines holds; nothing if there is none. A last line without an end is left out.
+
+    Args:
+        path: of the file.
+        model: of one line.
+        strict: whether a line that cannot be read ends it all; else it is left out, and the service's log says so.
+
+    Raises:
+        StoredUnreadable: the file cannot be read, or with `strict` a line of it.
+
+    """
+    damaged = 0
+    for number, line in enumerate(_lines(path), 1):
+        try:
+            document = model.model_validate_json(line)
+            if not _finite(from_json(line)):
+                raise ValueError("a number in it is not finite")
+        except (ValueError, RecursionError) as error:
+            if strict:
+                why = _finding(error) if isinstance(error, ValidationError) else str(error)
+                raise StoredUnreadable(f"line {number} of {path.name} is damaged: {why}") from None
+            damaged += 1
+            continue
+        yield document
+    if damaged:
+        log.warning("%s: %d damaged lines are left out", path, damaged)
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    """The lines that end, of bounded length each."""
+    try:
+        with _opened(path) as file:
+            while (line := file.readline(LONGEST_LINE)).endswith(b"\n") or len(line) == LONGEST_LINE:
+                yield line
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise StoredUnreadable(f"{path.name} cannot be read: {error.strerror}") from error
+
+
 def _content(path: Path) -> bytes:
-    """The bytes of a regular file of bounded size; a pipe or a device in its place is not waited for."""
-    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    with open(descriptor, "rb") as file:
-        found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode):
-            raise OSError(errno.EINVAL, "it is no regular file", str(path))
-        if found.st_size > LARGEST_DOCUMENT:
-            raise OSError(errno.EFBIG, f"it has {found.st_size} bytes, more than {LARGEST_DOCUMENT}", str(path))
+    """The bytes of a regular file of bounded size."""
+    with _opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > LARGEST_DOCUMENT:
+            raise OSError(errno.EFBIG, f"it has {size} bytes, more than {LARGEST_DOCUMENT}", str(path))
         return file.read(LARGEST_DOCUMENT + 1)
+
+
+def _opened(path: Path) -> BinaryIO:
+    """A regular file, opened to be read; a pipe or a device in its place is not waited for."""
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
+    return os.fdopen(descriptor, "rb")
+
+
+def _finite(value: Any) -> bool:
+    """Whether every number in a document is one that JSON can say."""
+    if isinstance(value, dict):
+        return all(map(_finite, value.values()))
+    if isinstance(value, list):
+        return all(map(_finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _finding(error: ValidationError) -> str:
@@ -76,3 +147,21 @@ def shown(name: str) -> str:
     """A name out of a file as a message or a log line may hold it: of bounded length, on one line."""
     cut = name if len(name) <= LONGEST_NAME else name[:LONGEST_NAME] + "..."
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in cut)
+
+
+def remove_folder(folder: Path, record: str) -> None:
+    """Remove a folder with all in it, its record first: what is half removed is nothing any more.
+
+    Of a link in its place only the link goes.
+
+    Raises:
+        OSError: it cannot be removed; one that is gone already is no error.
+
+    """
+    if folder.is_symlink():
+        folder.unlink(missing_ok=True)
+        return
+    with suppress(FileNotFoundError, IsADirectoryError):
+        (folder / record).unlink()
+    with suppress(FileNotFoundError):
+        shutil.rmtree(folder)

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal, NamedTuple, cast, get_args
 
 from server.arming import ARMED_TIME, TO_BE_ARMED, ArmedCommand, ArmedOrder, Moment
 from server.control import Control, ControlCommand
-from server.disk import DiskGuard
+from server.disk import FAULT_TIP, DiskGuard
 from server.feed import Feed
 from server.fork import Flight, Fork
 from server.inbox import Answer, CommandAnswer, Inbox, Request, Revision
@@ -613,6 +613,7 @@ class MissionLoop:
             "The run is not being recorded",
             "make room on the disk or choose another BECALM_DATA_DIR, then reset",
         )
+        self._show_problem("data_folder", self._disk.fault, "Nothing can be kept", FAULT_TIP)
         self._show_problem(
             "disk",
             self._disk.warning,
@@ -645,6 +646,6 @@ class MissionLoop:
         if message is None:
             self._flying.problems.clear(key)
         else:
-            severity: Literal["warning", "error"] = "error" if key == "recorder" else "warning"
+            severity: Literal["warning", "error"] = "error" if key in ("recorder", "data_folder") else "warning"
             problem = Problem(severity=severity, title=title, message=message, tip=tip, since=self._flying.time)
             self._flying.problems.show(key, problem)

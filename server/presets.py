@@ -6,14 +6,13 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
-from server.files import replace_file
+from server.files import read_document, replace_file
 from server.problems import PresetNotFound
 from sim.capture.snapshot import Published
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
-from sim.errors import ConfigError
 
 NAME = r"[^\W_][\w .+-]{0,39}"
 """Letters, digits, spaces and a few signs; begins with a letter or digit."""
@@ -59,22 +58,20 @@ class PresetStore:
         """All of them, by name.
 
         Raises:
-            ConfigError: their file is damaged.
+            StoredUnreadable: their file cannot be read.
 
         """
         try:
-            return _PresetFile.model_validate_json(self._path.read_bytes()).presets
+            return read_document(self._path, _PresetFile).presets
         except FileNotFoundError:
             return ()
-        except ValidationError as error:
-            tip = "restore it from a backup, or remove it and keep the presets anew"
-            raise ConfigError(f"{self._path} is damaged: {error.errors()[0]['msg']}", tip=tip) from None
 
     def keep(self, preset: Preset) -> None:
         """Keep a preset, in place of one of that name.
 
         Raises:
             ConfigError: it cannot be flown; nothing is kept then.
+            StoredUnreadable: the file cannot be read, and is left for whoever can mend it.
 
         """
         preset.config()
@@ -98,5 +95,4 @@ class PresetStore:
             self._write(kept)
 
     def _write(self, presets: list[Preset]) -> None:
-        self._path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(self._path, _PresetFile(presets=tuple(presets)).model_dump_json(indent=1).encode())

@@ -9,6 +9,7 @@ CaptureError (sim.errors)
 ├── StoredUnreadable  a stored run, study or file is damaged, of another version or not permitted (REST 409)
 ├── DataFolderInUse another service has the data folder (exit 1)
 ├── ConfirmationNeeded  a study of very many cells (REST 409)
+├── DataFolderLost  the data folder is gone, or cannot be written (REST 503)
 ├── DiskFull        too little room for another run or study (REST 507)
 ├── LoopSilent      the mission thread did not answer in time (REST 504)
 └── AddressInUse    the port cannot be bound (exit 1)
@@ -38,6 +39,10 @@ class LoopSilent(CaptureError):
 
 class DiskFull(CaptureError):
     """Too little room is left on the disk to begin something that would take more."""
+
+
+class DataFolderLost(CaptureError):
+    """The data folder is gone while the service runs, or it cannot be written any more."""
 
 
 class PresetNotFound(CaptureError):

@@ -10,7 +10,7 @@ A reader takes whole chunks and whole lines only, so that a write cut short by a
 
 from __future__ import annotations
 
-import json
+import errno
 import os
 import stat
 import time
@@ -24,17 +24,18 @@ import numpy as np
 from mcap.records import ChunkIndex
 from pydantic import Field, StringConstraints, field_validator
 
-from server.files import replace_file
+from server.files import read_document, read_lines, replace_file, shown
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.topics import CDR_TICK
 from server.log.writer import LogWriter, nanoseconds
+from server.problems import StoredUnreadable
 from server.versions import versions
 from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Outcome, Published
 from sim.capture.tick import TICK
-from sim.claim import Claim
+from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.control.phases import Command
 
@@ -58,6 +59,9 @@ LOST_AT_MOST = 1.0
 
 SLACK = 1e-6
 """Mission times closer than this are the same [s]: no tick is as short."""
+
+FIRST_YEAR, LAST_YEAR = 1971, 2499
+"""Within which the nanoseconds of a log have room, whatever the time zone."""
 
 TICK_CHANNEL = 1
 """Channel of the ticks in every log."""
@@ -89,10 +93,31 @@ class RunRecord(Published):
     )
     lost_at_most: float | None = Field(None, description="Of a recovered run: wall time that may be missing [s]")
 
+    @field_validator("started")
+    @classmethod
+    def _an_instant(cls, value: str) -> str:
+        """A date without a time zone is no instant, and none of a run is far from today's."""
+        if not FIRST_YEAR <= instant(value).year <= LAST_YEAR:
+            raise ValueError(f"{value} is no time at which a run can have started")
+        return value
+
     @property
     def ended(self) -> bool:
         """Whether nothing more will be written."""
         return self.status not in ("queued", "running")
+
+
+def instant(text: str) -> datetime:
+    """A moment that ISO 8601 names with its time zone.
+
+    Raises:
+        ValueError: it names none.
+
+    """
+    moment = datetime.fromisoformat(text)
+    if moment.tzinfo is None:
+        raise ValueError(f"{text} has no time zone, such as +00:00")
+    return moment.astimezone(UTC)
 
 
 def wall_clock() -> str:
@@ -148,8 +173,20 @@ class LoggedEvent(Event):
 
 
 def read_record(folder: Path) -> RunRecord:
-    """The record of the run in that folder."""
-    return RunRecord.model_validate_json((folder / RECORD_NAME).read_bytes())
+    """The record of the run in that folder.
+
+    Raises:
+        FileNotFoundError: there is none.
+        StoredUnreadable: it is damaged, of another version, of another run, or not permitted.
+
+    """
+    record = read_document(folder / RECORD_NAME, RunRecord)
+    if record.id != folder.name:
+        raise StoredUnreadable(
+            f"{RECORD_NAME} is that of run {shown(record.id)}, of which this folder seems to be a copy",
+            tip="rename the folder to that identifier if it is the only one, or remove it",
+        )
+    return record
 
 
 def _ticks_of(file: BinaryIO, index: ChunkIndex) -> TickArray:
@@ -181,18 +218,23 @@ def write_record(folder: Path, record: RunRecord) -> None:
 
 
 def _size(path: Path) -> int:
-    """Of a file [bytes]; 0 for one that is gone, and for a folder."""
+    """Of a file [bytes]; 0 for one that is gone, that the system does not tell of, and for a folder."""
     try:
         found = path.stat()
-    except FileNotFoundError:
+    except OSError:
         return 0
     return found.st_size if stat.S_ISREG(found.st_mode) else 0
 
 
 def read_remarks(folder: Path) -> Remarks:
-    """What people added to the run in that folder."""
+    """What people added to the run in that folder.
+
+    Raises:
+        StoredUnreadable: it is damaged or not permitted.
+
+    """
     try:
-        return Remarks.model_validate_json((folder / REMARKS_NAME).read_bytes())
+        return read_document(folder / REMARKS_NAME, Remarks)
     except FileNotFoundError:
         return Remarks()
 
@@ -226,6 +268,17 @@ class _WholeWrites:
         except OSError:
             self.file.truncate(start)
             raise
+
+
+def _require_there(path: Path, descriptor: int) -> None:
+    """See that an open file still stands under its name.
+
+    Raises:
+        FileNotFoundError: it was removed or moved away: what is written to it is lost.
+
+    """
+    if not path.exists() or not os.path.samestat(path.stat(), os.fstat(descriptor)):
+        raise FileNotFoundError(errno.ENOENT, "the run's files are gone while it is recorded", str(path))
 
 
 class RunWriter:
@@ -281,6 +334,7 @@ class RunWriter:
         for file in (self._events, self._sink.file if self._sink else None):
             if file is not None:
                 os.fsync(file.fileno())
+                _require_there(Path(file.name), file.fileno())
 
     def revise(self, **changes: Any) -> None:
         """Change the record, on disk as well, after everything that it speaks of."""
@@ -361,15 +415,32 @@ class RunReader:
 
     @property
     def remarks(self) -> Remarks:
-        """What people added."""
-        return read_remarks(self._folder)
+        """What people added; nothing, as far as can be told, if that cannot be read."""
+        try:
+            return read_remarks(self._folder)
+        except StoredUnreadable:
+            return Remarks()
+
+    @property
+    def remarks_damage(self) -> str | None:
+        """Why what people added cannot be read, in words; None if it can."""
+        try:
+            read_remarks(self._folder)
+        except StoredUnreadable as error:
+            return f"its star and notes cannot be read: {error}"
+        return None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether a living process may still write it, whatever its record says."""
+        return is_claimed(self._folder / CLAIM_NAME)
 
     @property
     def size(self) -> int:
         """Bytes on disk. What goes while it is looked at, as drafts and claims do, is nothing."""
         try:
             return sum(_size(path) for path in self._folder.iterdir())
-        except FileNotFoundError:  # the whole run is being removed
+        except OSError:  # the whole run is being removed, or may not be looked into
             return 0
 
     def chunks(self, since: float | None = None, until: float | None = None) -> Iterator[TickArray]:
@@ -401,21 +472,20 @@ class RunReader:
         return None
 
     def events(self) -> Iterator[Mapping[str, Any]]:
-        """The events, oldest first; a line that a crash cut short is left out."""
-        path = self._folder / EVENTS_NAME
-        if not path.exists():
-            return
-        with path.open("rb") as file:
-            for line in file:
-                if line.endswith(b"\n"):
-                    yield json.loads(line)
+        """The events, oldest first; a line that a crash cut short, or that is damaged, is left out."""
+        for event in read_lines(self._folder / EVENTS_NAME, LoggedEvent):
+            yield event.model_dump(mode="json", exclude_none=True)
 
     def history(self) -> FlightHistory:
         """What the run's ticks follow from, for a simulated plant.
 
         Parameters that were edited before the first command are in the record's configuration already; none of them
         acts on a mission that idles.
+
+        Raises:
+            StoredUnreadable: an event is damaged: without it the run could not be flown again as it was.
+
         """
-        events = map(LoggedEvent.model_validate, self.events())
+        events = read_lines(self._folder / EVENTS_NAME, LoggedEvent, strict=True)
         done = tuple(event.intervention for event in events if event.intervention is not None)
         return FlightHistory(config=self.record.config, interventions=done)

@@ -6,29 +6,39 @@ remarks were last written; one of another schema, or a damaged one, is made anew
 
 from __future__ import annotations
 
+import logging
 import os
 import sqlite3
 import threading
+import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from pydantic import ValidationError
-
+from server.problems import StoredUnreadable
 from server.run_changes import changes_of
-from server.run_folder import RECORD_NAME, REMARKS_NAME, RunKind, RunRecord, RunStatus, read_remarks
+from server.run_folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus, instant
 from server.runs import RUN_ID, RunStore
 from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound
 
-SCHEMA = 2
+SCHEMA = 3
 """Raised with every change of the table; an index of another one is made anew."""
 
 FILE_NAME = "index.sqlite"
-PATIENCE = 5.0
-"""How long one connection waits for another that writes [s]."""
+PATIENCE = 0.25
+"""How long a search waits for another process that has the index [s]."""
+
+REST = 30.0
+"""How long the file is left alone when it could not be had [s]."""
+
+SETTLING = 60.0
+"""Age from which on a folder without a record is told [s]."""
+
+log = logging.getLogger(__name__)
 
 SortKey = Literal[
     "started",
@@ -79,8 +89,9 @@ class RunQuery:
     starred: bool | None = None
     text: str | None = None
     """Words, in any case, each of which has to be found: in identifier, name, tags, notes, configuration or changes."""
-    started_from: str | None = None
-    started_to: str | None = None
+    started_from: datetime | None = None
+    """Without a time zone: UTC."""
+    started_to: datetime | None = None
     sort: SortKey = "started"
     ascending: bool = False
 
@@ -102,6 +113,8 @@ class RunIndex:
         self._store = store
         self._path = store.root / FILE_NAME
         self._lock = threading.Lock()
+        self._memory: sqlite3.Connection | None = None
+        self._file_from = 0.0
 
     def find(self, query: RunQuery, limit: int, after: str | None = None) -> Found:
         """The runs that fit, at most `limit` of those that come after the run `after`.
@@ -131,12 +144,12 @@ class RunIndex:
         """How many readable runs there are of each kind, status and outcome."""
         with self._fresh() as rows:
             found = rows.execute(
-                "SELECT kind, status, outcome, COUNT(*) FROM runs WHERE unreadable IS NULL GROUP BY 1, 2, 3"
+                "SELECT kind, status, outcome, COUNT(*) FROM runs WHERE kind IS NOT NULL GROUP BY 1, 2, 3"
             )
             return {(kind, status, outcome): count for kind, status, outcome, count in found}
 
     def unreadable(self) -> dict[str, str]:
-        """Why a folder holds a run of another version, or a damaged record, by its identifier."""
+        """What cannot be read, and why, by the folder's name: runs, and the stars and notes of runs that can."""
         with self._fresh() as rows:
             found = rows.execute("SELECT id, unreadable FROM runs WHERE unreadable IS NOT NULL ORDER BY id")
             return dict(found.fetchall())
@@ -149,35 +162,59 @@ class RunIndex:
             raise ConfigError(f"cursor = {run_id!r}: that run is gone", tip="begin with the first page again")
         return found[0]
 
-    def _fresh(self) -> closing[sqlite3.Connection]:
-        """A connection to the index, up to date."""
+    @contextmanager
+    def _fresh(self) -> Iterator[sqlite3.Connection]:
+        """The index, up to date, for one search at a time."""
         with self._lock:
-            self._store.root.mkdir(parents=True, exist_ok=True)
-            try:
-                rows = self._opened(str(self._path))
-            except sqlite3.OperationalError:  # the disk is full or read-only: for this once, in memory
-                rows = self._opened(":memory:")
-            except sqlite3.DatabaseError:  # damaged
-                self._path.unlink(missing_ok=True)
-                rows = self._opened(str(self._path))
-        return closing(rows)
+            rows = self._in_file() if time.monotonic() >= self._file_from else None
+            if rows is None:
+                yield self._in_memory()
+                return
+            with closing(rows):
+                yield rows
+                with suppress(
+                    sqlite3.OperationalError
+                ):  # somebody else reads it: it is brought up to date another time
+                    rows.execute("COMMIT")
 
-    def _opened(self, path: str) -> sqlite3.Connection:
-        rows = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
+    def _in_file(self) -> sqlite3.Connection | None:
+        """The index that is kept, within a transaction; None for a while if it cannot be had now."""
+        try:
+            return self._opened()
+        except sqlite3.OperationalError as error:
+            why: object = error
+        except sqlite3.DatabaseError:  # damaged
+            try:
+                self._path.unlink(missing_ok=True)
+                return self._opened()
+            except (OSError, sqlite3.Error) as error:
+                why = error
+        log.warning("%s cannot be used (%s): runs are found without it for %.0f s", self._path, why, REST)
+        self._file_from = time.monotonic() + REST
+        return None
+
+    def _opened(self) -> sqlite3.Connection:
+        rows = sqlite3.connect(self._path, timeout=PATIENCE, isolation_level=None, check_same_thread=False)
         try:
             rows.execute("BEGIN IMMEDIATE")
-            if rows.execute("PRAGMA user_version").fetchone()[0] != SCHEMA:
-                rows.execute("DROP TABLE IF EXISTS runs")
-                rows.execute(_TABLE)
-                rows.execute(f"PRAGMA user_version = {SCHEMA}")
             self._refresh(rows)
-            rows.execute("COMMIT")
         except BaseException:
             rows.close()
             raise
         return rows
 
+    def _in_memory(self) -> sqlite3.Connection:
+        """An index of this process's own, which nobody else can hold up."""
+        if self._memory is None:
+            self._memory = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
+        self._refresh(self._memory)
+        return self._memory
+
     def _refresh(self, rows: sqlite3.Connection) -> None:
+        if rows.execute("PRAGMA user_version").fetchone()[0] != SCHEMA:
+            rows.execute("DROP TABLE IF EXISTS runs")
+            rows.execute(_TABLE)
+            rows.execute(f"PRAGMA user_version = {SCHEMA}")
         known = {name: (stamp, settled) for name, stamp, settled in rows.execute("SELECT id, stamp, settled FROM runs")}
         present = dict(self._present())
         for name in known.keys() - present.keys():
@@ -193,37 +230,67 @@ class RunIndex:
                 )
 
     def _present(self) -> Iterator[tuple[str, str]]:
-        """(identifier, stamp) of every folder of a run."""
-        with os.scandir(self._store.root) as folders:
-            names = [folder.name for folder in folders if RUN_ID.fullmatch(folder.name)]
+        """(name, stamp) of everything in the library that is, or should be, the folder of a run."""
+        with os.scandir(self._store.root) as entries:
+            found = [entry for entry in entries if entry.name[0] != "."]
+            names = [
+                entry.name for entry in found if RUN_ID.fullmatch(entry.name) or entry.is_dir(follow_symlinks=False)
+            ]
         for name in names:
             folder = self._store.root / name
-            if (written := _written(folder / RECORD_NAME)) is not None:
-                yield name, f"{written} {_written(folder / REMARKS_NAME)}"
+            record = _stamp(folder / RECORD_NAME)
+            if record is not None or not _is_new(folder):
+                yield name, f"{record} {_stamp(folder / REMARKS_NAME)}"
 
     def _entry(self, name: str, stamp: str) -> dict[str, Any] | None:
         """The row of a run; None if it has just gone. What has not ended is looked at again every time."""
+        row = {"id": name, "stamp": stamp}
         try:
             reader = self._store.read(name)
+            facts = _facts(reader.record, reader.remarks)
+            return {**row, **facts, "unreadable": reader.remarks_damage, "size": reader.size}
         except RunNotFound:
-            return None
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            where = ".".join(map(str, first["loc"])) or RECORD_NAME
-            why = f"its record is damaged or of another version: {where}: {first['msg']}"
-            return {"id": name, "stamp": stamp, "unreadable": why, "settled": 1}
-        return {"id": name, "stamp": stamp, **_facts(reader.record, self._store.root / name), "size": reader.size}
+            why = _why_no_run(self._store.root / name)
+            return None if why is None else {**row, "unreadable": why, "settled": 0}
+        except StoredUnreadable as error:
+            # What the system refuses may be allowed later, and no stamp would tell.
+            return {**row, "unreadable": str(error), "settled": int(not isinstance(error.__cause__, OSError))}
+        except Exception as error:  # one folder, whatever is in it, must not take the others along
+            log.exception("run %s cannot be read", name)
+            return {**row, "unreadable": f"{type(error).__name__}: {error}", "settled": 0}
 
 
-def _written(path: Path) -> int | None:
+def _stamp(path: Path) -> str | None:
+    """When a file was last changed, or why that cannot be said; None if it is not there."""
     try:
-        return path.stat().st_mtime_ns
+        found = path.stat()
     except FileNotFoundError:
-        return None
+        return "link" if path.is_symlink() else None
+    except OSError as error:
+        return str(error.strerror)
+    return f"{found.st_mtime_ns}-{found.st_ctime_ns}"
 
 
-def _facts(record: RunRecord, folder: Path) -> dict[str, Any]:
-    remarks = read_remarks(folder)
+def _is_new(folder: Path) -> bool:
+    """Whether a folder may just be coming or going: its record is written last and removed first."""
+    try:
+        return folder.is_dir() and time.time() - folder.stat().st_mtime < SETTLING
+    except OSError:
+        return False
+
+
+def _why_no_run(path: Path) -> str | None:
+    """Why something that stands in the library is no run; None if it is gone, or is one by now."""
+    if not RUN_ID.fullmatch(path.name):
+        return "its name is no identifier of a run: rename it back, or keep it somewhere else"
+    if path.is_symlink() and not path.exists():
+        return "it is a link that leads nowhere"
+    if path.exists() and not path.is_dir():
+        return "it is no folder"
+    return f"it holds no {RECORD_NAME}" if path.is_dir() and not (path / RECORD_NAME).exists() else None
+
+
+def _facts(record: RunRecord, remarks: Remarks) -> dict[str, Any]:
     outcome, changes = record.outcome, changes_of(record)
     changed = [f"{each.path} {each.title} {each.value}" for each in changes]
     noted = [note.text for note in remarks.notes]
@@ -242,7 +309,7 @@ def _facts(record: RunRecord, folder: Path) -> dict[str, Any]:
         "tags": "".join(f"\n{tag.lower()}\n" for tag in remarks.tags),
         "seed": float(record.config.simulation.seed),
         "initial_spin": record.config.target.initial_spin,
-        "started": record.started,
+        "started": _comparable(instant(record.started)),
         "words": "\n".join(words).lower(),
         "duration": record.duration,
         "peak_tip_force": outcome.peak_tip_force if outcome else None,
@@ -263,15 +330,22 @@ def _conditions(query: RunQuery) -> tuple[list[str], list[Any]]:
         ("parent = ?", query.parent),
         ("starred = ?", None if query.starred is None else int(query.starred)),
         *(("instr(words, ?) > 0", word) for word in (query.text or "").lower().split()),
-        ("started >= ?", query.started_from),
-        ("started <= ?", query.started_to),
+        ("started >= ?", _comparable(query.started_from)),
+        ("started <= ?", _comparable(query.started_to)),
     )
     asked = [(condition, value) for condition, value in wishes if value is not None]
-    conditions, values = ["unreadable IS NULL"], []
+    conditions, values = ["kind IS NOT NULL"], []
     for condition, value in asked:
         conditions.append(condition.replace("?1", "?"))
         values += [value] * condition.count("?")
     return conditions, values
+
+
+def _comparable(moment: datetime | None) -> str | None:
+    """A moment as a text that sorts by time."""
+    if moment is None:
+        return None
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).astimezone(UTC).isoformat(timespec="microseconds")
 
 
 def _sort_expression(query: RunQuery) -> str:

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
+from server.files import read_lines
 from server.run_folder import (
     CLAIM_NAME,
     EVENTS_NAME,
@@ -53,7 +53,7 @@ def upgraded(folder: Path) -> bool:
         if document is None or "layout" not in document:
             return False
         _from_format_1(folder, document)
-    except (OSError, ValidationError, ValueError, KeyError, TypeError) as error:
+    except Exception as error:  # anything may stand where a layout or its ticks should
         log.warning("run %s is of an earlier version and cannot be upgraded: %s", folder.name, error)
         return False
     finally:
@@ -67,7 +67,7 @@ def _document(folder: Path) -> dict[str, Any] | None:
     """What run.json holds, if it is a document at all."""
     try:
         found = json.loads((folder / RECORD_NAME).read_bytes())
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
 
@@ -125,10 +125,7 @@ def _cut_off(record: RunRecord) -> dict[str, Any]:
 
 
 def _events(folder: Path) -> Iterator[LoggedEvent]:
-    path = folder / EVENTS_NAME
-    for line in path.read_bytes().splitlines(keepends=True) if path.exists() else ():
-        if line.endswith(b"\n"):
-            yield LoggedEvent.model_validate_json(line)
+    return read_lines(folder / EVENTS_NAME, LoggedEvent)
 
 
 def _ticks(path: Path, stored: np.dtype[Any]) -> Iterator[TickArray]:

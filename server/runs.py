@@ -8,14 +8,14 @@ from __future__ import annotations
 import logging
 import re
 import secrets
-import shutil
+import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
+from server.files import remove_folder
+from server.problems import StoredUnreadable
 from server.run_folder import (
     CANCEL_NAME,
     CLAIM_NAME,
@@ -29,6 +29,7 @@ from server.run_folder import (
     RunWriter,
     mend_log,
     read_record,
+    read_remarks,
     wall_clock,
     write_record,
     write_remarks,
@@ -63,12 +64,18 @@ class RunStore:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self.remarks_lock = threading.RLock()
+        """Held by who changes what people added, from reading to writing it."""
 
     def create(self, record: RunRecord) -> None:
         """Make the folder of a run that waits for its writer."""
         folder = self.root / record.id
         folder.mkdir(parents=True)
-        write_record(folder, record)
+        try:
+            write_record(folder, record)
+        except BaseException:
+            remove_folder(folder, RECORD_NAME)
+            raise
 
     def write(self, record: RunRecord) -> RunWriter:
         """A writer for this run.
@@ -86,15 +93,16 @@ class RunStore:
 
         Raises:
             RunNotFound: there is none with that identifier.
+            StoredUnreadable: its record cannot be read.
 
         """
         return RunReader(self._folder(run_id), self.record(run_id))
 
     def find(self, run_id: str) -> RunReader | None:
-        """A reader of this run, or None if it is gone or of another version."""
+        """A reader of this run, or None if it is gone or cannot be read."""
         try:
             return self.read(run_id)
-        except (RunNotFound, ValidationError):
+        except (RunNotFound, StoredUnreadable):
             return None
 
     def record(self, run_id: str) -> RunRecord:
@@ -102,7 +110,7 @@ class RunStore:
 
         Raises:
             RunNotFound: there is none with that identifier.
-            ValidationError: its record is damaged, or of a version that is not known.
+            StoredUnreadable: it cannot be read: damaged, of another version or another run, not permitted.
 
         """
         folder = self._folder(run_id)
@@ -112,6 +120,9 @@ class RunStore:
                 record = _recovered(folder)
         except FileNotFoundError:  # perhaps removed at this very moment
             raise _not_found(run_id) from None
+        except OSError as error:
+            what = Path(str(error.filename)).name if error.filename else RECORD_NAME
+            raise StoredUnreadable(f"{what} cannot be read: {error.strerror}") from error
         return record
 
     def newest(self) -> Iterator[RunReader]:
@@ -144,23 +155,33 @@ class RunStore:
 
         Raises:
             RunNotFound: there is none with that identifier.
+            StoredUnreadable: those that are there cannot be read, and are left for whoever can mend them.
 
         """
-        write_remarks(self._folder(run_id), remarks)
+        folder = self._folder(run_id)
+        with self.remarks_lock:
+            read_remarks(folder)
+            write_remarks(folder, remarks)
 
     def cancel(self, run_id: str) -> None:
         """Ask the process that writes this run to end it."""
         (self._folder(run_id) / CANCEL_NAME).touch()
 
     def delete(self, run_id: str) -> None:
-        """Remove a run that has ended.
+        """Remove a run that has ended, or one that cannot be read and that nobody writes.
 
         Raises:
             RunNotFound: there is none with that identifier.
             MissionRefused: it has not ended.
+            OSError: it cannot be removed.
 
         """
-        if not self.record(run_id).ended:
+        folder = self._folder(run_id)
+        try:
+            ended = self.record(run_id).ended
+        except StoredUnreadable:
+            ended = True  # for all that can be known
+        if not ended or is_claimed(folder / CLAIM_NAME):
             raise MissionRefused(f"run {run_id} has not ended", tip="cancel or reset it first")
         self.discard(run_id)
 
@@ -169,8 +190,7 @@ class RunStore:
         if not RUN_ID.fullmatch(run_id):
             raise _not_found(run_id)
         folder = self.root / run_id
-        (folder / RECORD_NAME).unlink(missing_ok=True)  # first, so that what is half removed is no run any more
-        shutil.rmtree(folder, ignore_errors=True)
+        remove_folder(folder, RECORD_NAME)
 
     def _folder(self, run_id: str) -> Path:
         folder = self.root / run_id
@@ -183,8 +203,8 @@ def _current_record(folder: Path) -> RunRecord:
     """The record in that folder, brought to today's format."""
     try:
         return read_record(folder)
-    except ValidationError:
-        if not upgraded(folder):
+    except StoredUnreadable as error:
+        if isinstance(error.__cause__, OSError) or not upgraded(folder):
             raise
     return read_record(folder)
 

@@ -11,6 +11,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
 
 from server.problems import ServiceBusy
@@ -112,6 +113,8 @@ class ScriptedRuns:
         self._idle.set()
         self._closing = False
         self._lock = threading.Lock()
+        self._queueing = threading.Lock()
+        """Held while a request is looked up, bounded and queued: two at once with one key make one run."""
 
     @property
     def waiting(self) -> int:
@@ -124,28 +127,47 @@ class ScriptedRuns:
         for run_id in sorted(record.id for record in records if record.status == "queued"):
             self._submit(run_id)
 
-    def queue(self, records: Sequence[RunRecord]) -> None:
-        """Put runs at the end of the queue, all or none.
+    def queue(self, records: Sequence[RunRecord], admit: Callable[[], None] = lambda: None) -> list[str]:
+        """Put runs at the end of the queue, all or none; those of an earlier request with their key, if it had one.
+
+        Args:
+            records: of one request.
+            admit: raises what stands against new runs.
+
+        Returns:
+            Their identifiers, in the order of the request.
 
         Raises:
             ServiceBusy: too many would wait.
+            MissionRefused: an earlier request with that key was another one.
+            OSError: they cannot be written; none of them is there then.
 
         """
-        if len(self._waiting) + len(records) > CAPACITY:
-            message = f"{len(self._waiting)} runs wait already, and no more than {CAPACITY} may"
-            raise ServiceBusy(message, tip="wait until some have finished, or cancel some")
-        for record in records:
-            self._store.create(record)
-        for record in records:
-            self._submit(record.id)
+        with self._queueing:
+            key, digest = records[0].idempotency_key, records[0].request_digest
+            if key is not None and (earlier := self._queued_before(key, digest)):
+                return earlier
+            admit()
+            if len(self._waiting) + len(records) > CAPACITY:
+                message = f"{len(self._waiting)} runs wait already, and no more than {CAPACITY} may"
+                raise ServiceBusy(message, tip="wait until some have finished, or cancel some")
+            self._create(records)
+            for record in records:
+                self._submit(record.id)
+        return [record.id for record in records]
 
-    def queued_before(self, key: str, digest: str) -> list[str]:
-        """The runs that an earlier request with that key queued, in its order.
+    def _create(self, records: Sequence[RunRecord]) -> None:
+        try:
+            for record in records:
+                self._store.create(record)
+        except OSError:
+            for record in records:
+                with suppress(OSError):
+                    self._store.discard(record.id)
+            raise
 
-        Raises:
-            MissionRefused: that request was another one.
-
-        """
+    def _queued_before(self, key: str, digest: str | None) -> list[str]:
+        """The runs that an earlier request with that key queued, in its order."""
         earlier = [reader.record for reader in self._store.newest() if reader.record.idempotency_key == key]
         if any(record.request_digest != digest for record in earlier):
             raise MissionRefused(
@@ -154,15 +176,15 @@ class ScriptedRuns:
         return sorted(record.id for record in earlier)
 
     def cancel(self, run_id: str) -> None:
-        """End a run that waits or flies; one that flies ends within a moment."""
+        """End a run that waits or flies, whichever process flies it; one that flies ends within a moment."""
         with self._lock:
-            waited = run_id in self._waiting
-            if waited:
+            if run_id in self._waiting:
                 self._waiting.remove(run_id)
-        if waited:
-            self._close_unflown(run_id, "cancelled", None)
-        else:
-            self._store.cancel(run_id)
+            is_ours = run_id == self._flying
+        self._store.cancel(run_id)
+        if not is_ours and self._store.record(run_id).status == "queued":
+            with suppress(BlockingIOError):  # another process begins it at this moment, and sees that it should not
+                self._close_unflown(run_id, "cancelled", None)
 
     def shutdown(self, patience: float = 1.5) -> None:
         """End the worker, and with it the run that it flies. What waits is flown after the next start."""
@@ -205,9 +227,16 @@ class ScriptedRuns:
         self._idle.set()
         if error is not None and not self._closing:
             log.error("run %s failed", run_id, exc_info=error)
+            self._close_failed(run_id, error)
+        self._fly_next()
+
+    def _close_failed(self, run_id: str, error: BaseException) -> None:
+        """Say of a run that it was never flown; the others are flown, whatever its folder has become."""
+        try:
             if self._store.record(run_id).status == "queued":
                 self._close_unflown(run_id, "failed", f"the worker process failed: {error}")
-        self._fly_next()
+        except (CaptureError, OSError) as problem:
+            log.warning("run %s cannot be marked as failed: %s", run_id, problem)
 
     def _close_unflown(self, run_id: str, status: RunStatus, note: str | None) -> None:
         writer = self._store.write(self._store.record(run_id))

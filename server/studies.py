@@ -6,18 +6,17 @@ rows.sqlite   the table of the cells, a row as each ends (`sim.study.table`)
 
 from __future__ import annotations
 
-import logging
 import re
-import shutil
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, JsonValue, ValidationError
+from pydantic import Field, JsonValue, field_validator
 
-from server.files import replace_file
-from server.problems import StudyNotFound
-from server.run_folder import wall_clock
+from server.files import read_document, remove_folder, replace_file, shown
+from server.problems import StoredUnreadable, StudyNotFound
+from server.run_folder import instant, wall_clock
 from server.runs import new_run_id
 from server.versions import versions
 from sim.capture.snapshot import Published
@@ -30,8 +29,6 @@ RECORD_NAME = "study.json"
 TABLE_NAME = "rows.sqlite"
 
 _ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
-
-log = logging.getLogger(__name__)
 
 
 class StudyRecord(Published):
@@ -48,6 +45,12 @@ class StudyRecord(Published):
     wall_time: float = Field(0.0, description="Flown until then, over all beginnings [s]")
     note: str | None = Field(None, description="Why it failed")
     versions: dict[str, str] = Field(default_factory=versions)
+
+    @field_validator("created")
+    @classmethod
+    def _an_instant(cls, value: str) -> str:
+        instant(value)
+        return value
 
     @property
     def study(self) -> Study:
@@ -70,6 +73,8 @@ class StudyStore:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self._lock = threading.Lock()
+        """Held while a record is changed, from reading to writing it."""
 
     def create(self, study: Study) -> StudyRecord:
         """A new study that waits to be flown."""
@@ -81,8 +86,13 @@ class StudyStore:
             cells=study.count,
             created=wall_clock(),
         )
-        (self.root / record.id).mkdir(parents=True)
-        self._write(record)
+        folder = self.root / record.id
+        folder.mkdir(parents=True)
+        try:
+            self._write(record)
+        except BaseException:
+            remove_folder(folder, RECORD_NAME)
+            raise
         return record
 
     def record(self, study_id: str) -> StudyRecord:
@@ -90,30 +100,51 @@ class StudyStore:
 
         Raises:
             StudyNotFound: there is none with that identifier.
+            StoredUnreadable: it is damaged, of another version or another study, or not permitted.
 
         """
         try:
-            return StudyRecord.model_validate_json((self._folder(study_id) / RECORD_NAME).read_bytes())
+            record = read_document(self._folder(study_id) / RECORD_NAME, StudyRecord)
         except FileNotFoundError:
             raise _not_found(study_id) from None
+        if record.id != study_id:
+            what = f"{RECORD_NAME} is that of study {shown(record.id)}, of which this folder seems to be a copy"
+            raise StoredUnreadable(what, tip="rename the folder to that identifier if it is the only one, or remove it")
+        return record
 
     def revise(self, study_id: str, **changes: Any) -> StudyRecord:
         """Change the record, on disk as well."""
-        record = self.record(study_id).model_copy(update=changes)
-        self._write(record)
+        with self._lock:
+            record = self.record(study_id).model_copy(update=changes)
+            self._write(record)
         return record
 
     def newest(self, *, before: str | None = None) -> Iterator[StudyRecord]:
         """The studies, newest first, of those older than the study `before`."""
-        names = (path.name for path in self.root.glob("*") if _ID.fullmatch(path.name)) if self.root.exists() else ()
-        for name in sorted(names, reverse=True):
+        for name in self._names():
             if before is None or name < before:
                 try:
                     yield self.record(name)
-                except StudyNotFound:
-                    continue  # deleted since
-                except ValidationError:
-                    log.warning("study %s is of another version of Becalm and is left out", name)
+                except (StudyNotFound, StoredUnreadable):
+                    continue  # deleted since, or told by `unreadable`
+
+    def unreadable(self) -> dict[str, str]:
+        """Why a folder holds no study that this version can read, by its name."""
+        found = {}
+        for name in self._names():
+            try:
+                self.record(name)
+            except StudyNotFound:
+                if not (self.root / name).is_dir():
+                    found[name] = "it is no folder"
+            except StoredUnreadable as error:
+                found[name] = str(error)
+        return found
+
+    def _names(self) -> list[str]:
+        """Of the folders, newest first."""
+        names = [path.name for path in self.root.glob("*")] if self.root.exists() else []
+        return sorted(filter(_ID.fullmatch, names), reverse=True)
 
     def table_path(self, study_id: str) -> Path:
         """The file of its rows."""
@@ -125,9 +156,7 @@ class StudyStore:
 
     def delete(self, study_id: str) -> None:
         """Remove a study with all its rows."""
-        folder = self._folder(study_id)
-        (folder / RECORD_NAME).unlink(missing_ok=True)  # first, so that what is half removed is no study any more
-        shutil.rmtree(folder, ignore_errors=True)
+        remove_folder(self._folder(study_id), RECORD_NAME)
 
     def _write(self, record: StudyRecord) -> None:
         """After a crash there is the old record or the new one."""

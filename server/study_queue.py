@@ -11,11 +11,12 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from server.problems import ConfirmationNeeded, ServiceBusy, StudyRefused
+from server.problems import ConfirmationNeeded, ServiceBusy, StoredUnreadable, StudyRefused
 from server.run_folder import wall_clock
 from server.studies import StudyRecord, StudyStatus, StudyStore
 from server.study_estimates import StudyEstimates
@@ -83,7 +84,9 @@ class StudyQueue:
         """Take up what the last service left unfinished, and start the thread."""
         for record in sorted(self._store.newest(), key=lambda record: record.id):
             if not record.ended_already:
-                self._waiting.append(self._store.revise(record.id, status="queued").id)
+                with suppress(OSError):  # on a disk that does not take it the study waits all the same
+                    self._store.revise(record.id, status="queued")
+                self._waiting.append(record.id)
         self._thread.start()
 
     def shutdown(self, patience: float = 1.5) -> None:
@@ -150,10 +153,11 @@ class StudyQueue:
                 raise StudyRefused(f"study {study_id} is {record.status} already", tip="DELETE removes it")
             if study_id in self._waiting:
                 self._waiting.remove(study_id)
-                return self._store.revise(study_id, status="cancelled", ended=wall_clock())
-            if self._flying is not None and self._flying.study_id == study_id:
+            elif self._flying is not None and self._flying.study_id == study_id:
                 self._flying.cancelled.set()
-        return record
+                return record
+            # Nobody flies it; it waits, or has come into the folder as a copy.
+            return self._store.revise(study_id, status="cancelled", ended=wall_clock())
 
     def delete(self, study_id: str) -> None:
         """Remove a study that has ended.
@@ -164,9 +168,16 @@ class StudyQueue:
 
         """
         with self._changed:
-            if not self._store.record(study_id).ended_already:
+            if not self._has_ended(study_id):
                 raise StudyRefused(f"study {study_id} has not ended", tip="cancel it first")
             self._store.delete(study_id)
+
+    def _has_ended(self, study_id: str) -> bool:
+        """Whether nothing flies or waits of it; of one that cannot be read nothing does."""
+        try:
+            return self._store.record(study_id).ended_already
+        except StoredUnreadable:
+            return self._flying is None or self._flying.study_id != study_id
 
     def progress(self, record: StudyRecord) -> Progress:
         """How far a study has come, with its pace if it flies now."""
@@ -261,4 +272,8 @@ class StudyQueue:
         return self._executor
 
     def _end(self, study_id: str, status: StudyStatus, note: str | None) -> None:
-        self._store.revise(study_id, status=status, note=note, ended=wall_clock())
+        """Say how a study ended; the others are flown, whatever its folder has become."""
+        try:
+            self._store.revise(study_id, status=status, note=note, ended=wall_clock())
+        except (CaptureError, OSError) as error:
+            log.warning("study %s is %s, but its record cannot be written: %s", study_id, status, error)

@@ -103,6 +103,10 @@ class AuditLog:
             path = shortened(path, LONGEST_PATH)
             self._put(holder is not None, who=who, role=role, address=address, method=method, path=path, status=status)
 
+    def note(self, who: str, *, method: str, path: str, status: int, why: str) -> None:
+        """Add a line on what the service did by itself."""
+        self._put(True, who=who, method=method, path=path, status=status, why=why)
+
     def settle(self, *, all_of_them: bool = False) -> None:
         """Write the counts of windows that are over."""
         over = []

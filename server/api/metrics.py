@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 from fastapi import APIRouter, Request
@@ -26,6 +27,8 @@ from server.published import MissionSnapshot
 from server.scene_proxy import Traffic, traffic
 from server.versions import becalm_version
 from sim.control.phases import Phase
+
+log = logging.getLogger(__name__)
 
 router = APIRouter(include_in_schema=False)
 
@@ -68,7 +71,7 @@ class ServiceState(Collector):
         yield self._queues()
         yield from self._clients()
         yield from self._storage()
-        yield self._runs()
+        yield from self._runs()
 
     def _queues(self) -> Metric:
         services = self._services
@@ -99,12 +102,21 @@ class ServiceState(Collector):
         if disk.free is not None:
             yield _gauge("becalm_disk_free_bytes", "Free space where the runs lie", disk.free)
 
-    def _runs(self) -> Metric:
+    def _runs(self) -> Iterator[Metric]:
+        """Nothing of a library that is gone, but for that."""
         labels = ["kind", "status", "outcome"]
         family = GaugeMetricFamily("becalm_runs", "Runs in the library; outcome is empty without one", labels=labels)
-        for (kind, status, outcome), count in self._services.index.tally().items():
+        try:
+            tally, unreadable = self._services.index.tally(), self._services.index.unreadable()
+        except OSError as error:
+            log.warning("the library of runs cannot be counted: %s", error)
+            yield _gauge("becalm_library_readable", "1: the library of runs can be read", 0)
+            return
+        for (kind, status, outcome), count in tally.items():
             family.add_metric([kind, status, outcome or ""], count)
-        return family
+        yield family
+        yield _gauge("becalm_library_readable", "1: the library of runs can be read", 1)
+        yield _gauge("becalm_runs_unreadable", "Folders in the library that cannot be read", len(unreadable))
 
 
 def _clock(pace: Pace) -> Iterator[Metric]:

@@ -38,13 +38,13 @@ class KeptPreset(BaseModel):
     refusal: str | None = Field(description="Why not")
 
 
-@router.get("", responses=responses(422))
+@router.get("", responses=responses(409, 422))
 async def presets(services: ServicesDep) -> list[KeptPreset]:
     """All of them, by name."""
     return [_kept(preset) for preset in await asyncio.to_thread(services.presets.presets)]
 
 
-@router.put("/{name}", responses=responses(422))
+@router.put("/{name}", responses=responses(409, 422))
 async def keep_preset(services: ServicesDep, asker: AskerDep, name: PresetName, body: PresetBody) -> KeptPreset:
     """Keep parameters by that name, in place of what it named before."""
     preset = Preset(name=name, configuration=body.configuration, changes=body.changes, who=asker, at=wall_clock())
@@ -52,7 +52,7 @@ async def keep_preset(services: ServicesDep, asker: AskerDep, name: PresetName, 
     return _kept(preset)
 
 
-@router.delete("/{name}", status_code=204, responses=responses(404, 422))
+@router.delete("/{name}", status_code=204, responses=responses(404, 409, 422))
 async def remove_preset(services: ServicesDep, name: PresetName) -> Response:
     """Keep that one no longer."""
     await asyncio.to_thread(services.presets.remove, name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import math
 import re
@@ -20,6 +21,7 @@ from starlette.exceptions import HTTPException
 from server.problems import (
     ConfigOutdated,
     ConfirmationNeeded,
+    DataFolderLost,
     DiskFull,
     LoopSilent,
     PresetNotFound,
@@ -50,10 +52,14 @@ STATUSES: dict[type[CaptureError], int] = {
     TableUnusable: 409,
     WorkersUnavailable: 503,
     ServiceBusy: 503,
+    DataFolderLost: 503,
     LoopSilent: 504,
     LinkLost: 504,
     DiskFull: 507,
 }
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""What the system says when nothing more can be written."""
 
 _TITLES = {
     400: "Not JSON",
@@ -143,6 +149,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(CaptureError, _refused)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(OSError, _disk_failed)
     app.add_exception_handler(Exception, _unexpected)
 
 
@@ -257,6 +264,24 @@ async def _http_error(_: Request, error: Exception) -> Response:
     title = _TITLES.get(status, HTTPStatus(status).phrase)
     document = ProblemDocument(title=title, status=status, detail=str(error.detail), tip=_TIPS.get(status, ""))
     return problem_answer(document, dict(error.headers or {}))
+
+
+async def _disk_failed(request: Request, error: Exception) -> JSONResponse:
+    """What the data folder's disk refuses; other errors of the system are unexpected ones."""
+    assert isinstance(error, OSError)
+    if error.filename is None or error.strerror is None:
+        return await _unexpected(request, error)
+    log.error("%s: %s", error.filename, error.strerror)
+    status = 507 if error.errno in NO_ROOM else 503
+    document = ProblemDocument(
+        title="No room" if status == 507 else "The disk fails",
+        status=status,
+        detail=f"{error.filename}: {error.strerror}",
+        tip="make room on the disk"
+        if status == 507
+        else "see that the data folder is there, and that it may be written; what was there is there again when it is",
+    )
+    return problem_answer(document, {"Retry-After": "5"} if status == 503 else None)
 
 
 async def _unexpected(_: Request, error: Exception) -> JSONResponse:

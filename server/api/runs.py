@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from datetime import datetime
 from typing import Annotated, Any, TypeVar, cast, get_args
 
 import pydantic
@@ -92,8 +93,8 @@ class RunFilter(BaseModel):
         max_length=400,
         description="Words, in any case, that identifier, name, tags, notes, configuration and changed parameters hold",
     )
-    started_from: str | None = Field(None, description="ISO 8601, UTC")
-    started_to: str | None = Field(None, description="ISO 8601, UTC")
+    started_from: datetime | None = Field(None, description="ISO 8601; UTC without a time zone")
+    started_to: datetime | None = Field(None, description="ISO 8601; UTC without a time zone")
     sort: str = Field(
         "-started",
         pattern=f"^-?({'|'.join(get_args(SortKey))})$",
@@ -178,12 +179,8 @@ def start_runs(
     requests = body if isinstance(body, list) else [body]
     content = json.dumps([each.model_dump(mode="json") for each in requests], sort_keys=True)
     digest = hashlib.sha256(content.encode()).hexdigest()
-    found = services.scripted.queued_before(key, digest) if key else []
-    if not found:
-        records = [_queued(each, key, digest) for each in requests]
-        services.disk.require_room()
-        services.scripted.queue(records)
-        found = [record.id for record in records]
+    records = [_queued(each, key, digest) for each in requests]
+    found = services.scripted.queue(records, services.disk.require_room)
     queued = [run_of(services.store.read(run_id)) for run_id in found]
     if isinstance(body, list):
         return queued
@@ -232,13 +229,13 @@ def _query(wanted: RunFilter) -> RunQuery:
     return RunQuery(**chosen, sort=cast(SortKey, order), ascending=not wanted.sort.startswith("-"))
 
 
-@router.get("/{run_id}", responses=responses(404))
+@router.get("/{run_id}", responses=responses(404, 409))
 def run(services: ServicesDep, run_id: RunId, response: Response, if_none_match: IfNoneMatch = None) -> Run:
     """One run."""
     return _tagged(run_of(services.store.read(run_id)), response, if_none_match)
 
 
-@router.patch("/{run_id}", responses=responses(404, 412))
+@router.patch("/{run_id}", responses=responses(404, 409, 412))
 def remark(
     services: ServicesDep,
     run_id: RunId,
@@ -247,10 +244,11 @@ def remark(
     if_match: Annotated[str | None, Header(alias="If-Match")] = None,
 ) -> Run:
     """Star or name a run, or put these notes or tags in place of its own; with `If-Match`, only if unchanged since."""
-    reader = services.store.read(run_id)
-    if if_match is not None and if_match != _etag(run_of(reader)):
-        raise HTTPException(412, f"run {run_id} has changed since; read it again")
-    services.store.remark(run_id, Remarks.model_validate(dict(reader.remarks) | body.model_dump(exclude_none=True)))
+    with services.store.remarks_lock:
+        reader = services.store.read(run_id)
+        if if_match is not None and if_match != _etag(run_of(reader)):
+            raise HTTPException(412, f"run {run_id} has changed since; read it again")
+        services.store.remark(run_id, Remarks.model_validate(dict(reader.remarks) | body.model_dump(exclude_none=True)))
     return _tagged(run_of(services.store.read(run_id)), response, None)
 
 
@@ -309,7 +307,7 @@ def ticks(
     return decimated(reader, points, Span(since, until))
 
 
-@router.get("/{run_id}/events", responses=responses(404))
+@router.get("/{run_id}/events", responses=responses(404, 409))
 def events(services: ServicesDep, run_id: RunId) -> list[LoggedEvent]:
     """What happened in a run: events, commands with their answers, parameter changes."""
     return [LoggedEvent.model_validate(event) for event in services.store.read(run_id).events()]

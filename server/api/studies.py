@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue
 from starlette.background import BackgroundTask
 
 from server.api.problem_json import responses
-from server.api.runs import Run, run_of
+from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
 from server.live_mission import display_name
 from server.problems import StudyNotFound
@@ -153,6 +153,7 @@ class StudyPage(BaseModel):
     """Studies, newest first."""
 
     studies: list[StudySummary]
+    unreadable: list[Unreadable] = Field(description="Studies of other versions, and damaged ones; on the first page")
     next_cursor: str | None = Field(description="For the next page; null on the last one")
 
 
@@ -214,7 +215,11 @@ def studies(
     """The studies, newest first."""
     found = list(islice(services.studies.newest(before=cursor), limit + 1))
     shown = [_summary(services, record) for record in found[:limit]]
-    return StudyPage(studies=shown, next_cursor=found[limit - 1].id if len(found) > limit else None)
+    strange = {} if cursor else services.studies.unreadable()
+    unreadable = [Unreadable(id=name, reason=why) for name, why in strange.items()]
+    return StudyPage(
+        studies=shown, unreadable=unreadable, next_cursor=found[limit - 1].id if len(found) > limit else None
+    )
 
 
 @router.get("/published/tables")
@@ -227,7 +232,7 @@ def published_tables() -> PublishedTables:
     )
 
 
-@router.get("/{study_id}", responses=responses(404))
+@router.get("/{study_id}", responses=responses(404, 409))
 def study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
     """One study, and what came out until now."""
     return _detail(services, services.studies.record(study_id))
@@ -302,8 +307,7 @@ def run_cell(services: ServicesDep, study_id: StudyId, index: CellIndex, respons
     config = configured(of.base, of.cell(index))
     name = display_name(of.configuration, config)
     record = new_record("study", name, config, direct=of.direct, status="queued", parent=study_id)
-    services.disk.require_room()
-    services.scripted.queue([record])
+    services.scripted.queue([record], services.disk.require_room)
     response.headers["Location"] = f"/api/v1/runs/{record.id}"
     return run_of(services.store.read(record.id))
 

@@ -52,5 +52,5 @@ async def test_a_preset_of_another_version_is_listed_with_the_reason_why_it_cann
     assert "springiness" in listed["refusal"]
     path.write_text("{")
     damaged = await console.http.get("/presets")
-    assert damaged.status_code == 422
+    assert damaged.status_code == 409
     assert "presets.json is damaged" in damaged.json()["detail"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 
 import pytest
 
 from server.disk import DiskGuard
-from server.problems import DiskFull
+from server.problems import DataFolderLost, DiskFull
 
 
 def test_there_is_room(tmp_path):
@@ -25,6 +26,22 @@ def test_little_room_is_told_and_refused(tmp_path):
     assert "less than the 1e+09 GB of min_free_gb" in guard.warning
     with pytest.raises(DiskFull, match="GB are free"):
         guard.require_room()
+
+
+def test_a_folder_that_is_gone_or_not_to_be_written_is_told_and_refused(tmp_path, monkeypatch):
+    runs = tmp_path / "runs"
+    guard = DiskGuard(tmp_path, 0.0, (runs,))
+    guard.look()
+    assert guard.fault == f"the folder {runs} is gone"
+    with pytest.raises(DataFolderLost, match="is gone"):
+        guard.require_room()
+    runs.mkdir()
+    guard.require_room()
+    guard.look()
+    assert guard.fault is None
+    monkeypatch.setattr(os, "access", lambda *_: False)  # a disk that has become read-only
+    guard.look()
+    assert guard.fault == f"the folder {runs} cannot be written"
 
 
 def test_a_disk_that_does_not_say_warns_of_nothing(tmp_path, monkeypatch):

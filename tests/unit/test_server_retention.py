@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
+import shutil
 from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from server.retention import expired
-from server.run_folder import Note, Remarks
+from server import retention
+from server.retention import expired, keep_removing, remove_expired
+from server.run_folder import CLAIM_NAME, Note, Remarks
 from server.runs import RunStore, new_record
+from sim.claim import Claim
 from sim.configurations import named_configuration
 
 NOW = datetime(2026, 11, 25, tzinfo=UTC)
@@ -37,4 +41,62 @@ def store(tmp_path):
 )
 def test_what_goes(store, keep_days, keep_gigabytes, days):
     found = expired(store.newest(), keep_days, keep_gigabytes, NOW)
-    assert [run_id[:8] for run_id in found] == [f"{NOW - timedelta(days=each):%Y%m%d}" for each in days]
+    assert [each.run_id[:8] for each in found] == [f"{NOW - timedelta(days=each):%Y%m%d}" for each in days]
+
+
+def _names(store):
+    return {path.name for path in store.root.iterdir()}
+
+
+def test_what_goes_is_told_with_the_reason(store):
+    gone = []
+    remove_expired(store, 0.5, None, gone.append)
+    assert len(_names(store)) == 3
+    assert {each.run_id for each in gone}.isdisjoint(_names(store))
+    assert all("days old, more than keep_days = 0.5" in each.why for each in gone)
+
+
+def test_a_copy_never_takes_the_original_along(store):
+    """A copied folder bears the identifier of the one that it was copied from, which here is starred."""
+    starred = next(reader.record.id for reader in store.newest() if reader.remarks.starred)
+    copy = store.root / (starred[:-6] + "fedcba")
+    shutil.copytree(store.root / starred, copy)
+    (copy / "remarks.json").unlink()
+    remove_expired(store, 0.0, None, lambda _: None)
+    assert {starred, copy.name} <= _names(store)
+
+
+def test_what_is_still_written_stays_though_its_mission_has_ended(store):
+    newest = next(store.newest()).record.id
+    claim = Claim(store.root / newest / CLAIM_NAME)
+    remove_expired(store, 0.0, None, lambda _: None)
+    assert newest in _names(store)
+    claim.release()
+    remove_expired(store, 0.0, None, lambda _: None)
+    assert newest not in _names(store)
+
+
+def test_what_is_starred_between_the_look_and_the_end_stays(store, monkeypatch):
+    found = expired(store.newest(), 0.0, None, datetime.now(UTC))
+    for each in found:
+        store.remark(each.run_id, Remarks(starred=True))
+    monkeypatch.setattr(retention, "expired", lambda *_: found)
+    before = _names(store)
+    remove_expired(store, 0.0, None, lambda _: None)
+    assert _names(store) == before
+
+
+async def test_one_look_that_fails_is_not_the_last(store, monkeypatch):
+    looks = asyncio.Queue()
+
+    def look(*_):
+        looks.put_nowait(None)
+        raise RuntimeError("odd")
+
+    monkeypatch.setattr(retention, "remove_expired", look)
+    monkeypatch.setattr(retention, "PERIOD", 0.001)
+    task = asyncio.create_task(keep_removing(store, 1.0, None, lambda _: None))
+    async with asyncio.timeout(60):
+        for _ in range(3):
+            await looks.get()
+    task.cancel()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
+from datetime import datetime, timedelta, timezone
 
 import pytest
 
@@ -18,6 +20,7 @@ from sim.errors import ConfigError
 
 @pytest.fixture
 def store(tmp_path):
+    (tmp_path / "runs").mkdir()
     return RunStore(tmp_path / "runs")
 
 
@@ -185,3 +188,40 @@ def test_a_damaged_record_is_told_until_it_is_mended(store, index):
     assert "damaged" in index.unreadable()[run]
     write_record(store.root / run, record)
     assert (found(index), index.unreadable()) == ([run], {})
+
+
+def test_moments_are_compared_as_moments(store, index):
+    early = kept(store, started="2026-11-25T12:30:00.000+02:00")
+    late = kept(store, started="2026-11-25T11:00:00.000+00:00")
+    between = datetime(2026, 11, 25, 11, 45, tzinfo=timezone(timedelta(hours=1)))
+    assert found(index, started_from=between) == [late]
+    assert found(index, started_to=between) == [early]
+    assert found(index, started_from=datetime(2026, 11, 25), started_to=datetime(2026, 11, 25, 11)) == [late, early]
+
+
+def test_an_index_that_another_process_holds_makes_no_search_wait(store, index, monkeypatch):
+    run = kept(store)
+    assert found(index) == [run]
+    holder = sqlite3.connect(store.root / FILE_NAME, isolation_level=None)
+    holder.execute("BEGIN EXCLUSIVE")
+    monkeypatch.setattr(run_index, "PATIENCE", 0.01)
+    opened = []
+    connect = sqlite3.connect
+    monkeypatch.setattr(sqlite3, "connect", lambda path, **options: opened.append(path) or connect(path, **options))
+    later = kept(store)
+    assert found(index) == [later, run]
+    assert index.tally() == {("scripted", "finished", None): 2}
+    assert index.unreadable() == {}
+    assert opened == [store.root / FILE_NAME, ":memory:"]  # the file is left alone for a while
+    holder.close()
+    monkeypatch.setattr(index, "_file_from", 0.0)
+    assert found(index) == [later, run]
+    assert opened[2:] == [store.root / FILE_NAME]
+
+
+def test_a_library_that_is_gone_is_no_empty_one(store, index):
+    kept(store)
+    shutil.rmtree(store.root)
+    with pytest.raises(FileNotFoundError):
+        found(index)
+    assert not store.root.exists()

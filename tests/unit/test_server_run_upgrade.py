@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from pydantic import ValidationError
 
+from server.problems import StoredUnreadable
 from server.run_folder import LOG_NAME
 from server.run_index import RunIndex, RunQuery
 from server.runs import RunStore
@@ -95,7 +95,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
 def test_one_that_the_earlier_version_still_writes_is_left_alone(store, folder):
     before = _contents(folder)
     claim = Claim(folder / ".writing")
-    with pytest.raises(ValidationError):
+    with pytest.raises(StoredUnreadable, match="layout"):
         store.read(folder.name)
     claim.release()
     assert _contents(folder) == before

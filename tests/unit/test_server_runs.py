@@ -220,3 +220,13 @@ def test_a_run_that_goes_while_it_is_read_is_not_found(store):
     assert reader.size == 0
     with pytest.raises(RunNotFound):
         store.record(record.id)
+
+
+def test_files_that_are_gone_while_they_are_written_are_missed(store):
+    record = _record()
+    writer = store.write(record.model_copy(update={"status": "running"}))
+    writer.append(_random_ticks(10))
+    (store.root / record.id).rename(store.root.parent / "away")
+    with pytest.raises(FileNotFoundError, match="gone while it is recorded"):
+        writer.close(status="finished")
+    writer.abandon()
