@@ -8,6 +8,21 @@ const NEVER_HTML = {
   message: "the service's words are text, never HTML",
 };
 
+const KEEPS_ESC = "the browser keeps the first Esc for itself where this is open, and Esc stops the mission: src/ui has what to use";
+
+/** What of the browser's own opens over the page and takes the keys. */
+const NEVER_BROWSERS_OWN = [
+  "JSXOpeningElement[name.name=/^(select|datalist|dialog)$/]",
+  "JSXAttribute[name.name='type'][value.value=/^(date|datetime-local|month|week|time|color)$/]",
+  "JSXAttribute[name.name=/^(list|popover|popoverTarget)$/]",
+  "MemberExpression[property.name=/^(requestFullscreen|showModal|showPicker|showPopover)$/]",
+  "CallExpression[callee.name=/^(alert|confirm|prompt)$/]",
+  "CallExpression[callee.object.name=/^(window|globalThis)$/][callee.property.name=/^(alert|confirm|prompt)$/]",
+].map((selector) => ({ selector, message: KEEPS_ESC }));
+
+/** Mantine's parts that open over the page: wrapped once, in src/ui, where each says what Esc does. */
+const OVER_THE_PAGE = ["NativeSelect", "Select", "MultiSelect", "Autocomplete", "Combobox", "Popover", "Menu", "HoverCard", "Modal", "Drawer", "Dialog"];
+
 /** The console may lie under a path of another site: src/api/address.ts. (\u002f is a slash, which ends a pattern here.) */
 const PATHS_OF_THE_SERVICE = ["Literal[value=/^\\u002f[a-z]/]", "TemplateLiteral[quasis.0.value.raw=/^\\u002f[a-z]/]"].map(
   (path) => ({
@@ -37,5 +52,12 @@ export default defineConfig(
       eqeqeq: ["error", "always"],
     },
   },
-  { files: ["src/**"], rules: { "no-restricted-syntax": ["error", NEVER_HTML, ...PATHS_OF_THE_SERVICE] } },
+  {
+    files: ["src/**"],
+    rules: {
+      "no-restricted-syntax": ["error", NEVER_HTML, ...NEVER_BROWSERS_OWN, ...PATHS_OF_THE_SERVICE],
+      "no-restricted-imports": ["error", { paths: [{ name: "@mantine/core", importNames: OVER_THE_PAGE, message: KEEPS_ESC }] }],
+    },
+  },
+  { files: ["src/ui/**"], rules: { "no-restricted-imports": "off" } },
 );

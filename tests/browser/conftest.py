@@ -139,6 +139,12 @@ def is_amber(button: Locator) -> bool:
     return red > 200 and 120 < green < 220 and blue < 90
 
 
+def choose(page: Page, name: str, option: str) -> None:
+    """Open the drop-down of that name and take the option of that label."""
+    page.get_by_role("combobox", name=name, exact=True).click()
+    page.get_by_role("listbox", name=name, exact=True).get_by_role("option", name=option, exact=True).click()
+
+
 @contextmanager
 def _opened_console(browser: Browser, service: Service, name: str, *, scene: bool) -> Iterator[Page]:
     """The console on a mission that has just been reset; what it looked like at the end is kept."""

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 
-from .conftest import ARTIFACTS, new_context, running
+from .conftest import ARTIFACTS, choose, new_context, running
 
 pytestmark = pytest.mark.browser
 
@@ -47,7 +47,7 @@ def test_control_is_taken_by_commanding_handed_over_and_taken_back(operators: tu
     expect(ben.get_by_text("ana is in control; take over at the top of the page first.").first).to_be_visible()
 
     ana.get_by_role("button", name="You are in control").click()
-    ana.get_by_label("Operator to hand over to").select_option("ben")
+    choose(ana, "Operator to hand over to", "ben")
     ana.get_by_role("button", name="Hand over").click()
     ben.get_by_role("button", name="ana hands over to you").click()
     ARTIFACTS.mkdir(exist_ok=True)

@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from .conftest import ARTIFACTS, Service, is_amber, press
+from .conftest import ARTIFACTS, Service, choose, is_amber, press
 
 pytestmark = pytest.mark.browser
 
@@ -22,7 +22,7 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     console.get_by_role("link", name="Runs", exact=True).click()
     expect(console.get_by_role("button", name="STOP")).to_be_enabled()
     library = console.get_by_role("list", name="Runs", exact=True)
-    console.get_by_label("Kind").select_option("scripted")
+    choose(console, "Kind", "scripted")
     mine = library.locator(f"a[href='#/runs/{direct}']")
     expect(mine).to_contain_text(re.compile("caged|collision|ejection"))
     mine.click()
@@ -72,7 +72,7 @@ def test_a_paused_mission_goes_back_and_a_run_goes_on_from_a_moment(console: Pag
     press(console, "Detumble")
     clock = console.get_by_role("timer", name="Mission time")
     press(console, "Pause")
-    console.get_by_label("Ticks in one step").select_option("100")
+    choose(console, "Ticks in one step", "100 ticks")
     press(console, "Step")
     parent = service.ask("/mission")
     press(console, "Back")

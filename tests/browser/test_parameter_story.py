@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from .conftest import PRESSES, Service, press
+from .conftest import PRESSES, Service, choose, press
 
 pytestmark = pytest.mark.browser
 
@@ -56,7 +56,7 @@ def test_a_preset_outlives_a_reset_which_asks_before_it_loses_edits(console: Pag
             break
     expect(console.get_by_text("published_figures (edited)")).to_be_hidden()
 
-    console.get_by_label("Preset to stage").select_option("soft hands")
+    choose(console, "Preset to stage", "soft hands")
     staged = console.get_by_role("region", name="Staged changes")
     expect(staged).to_contain_text("1 change staged")
     staged.get_by_role("button", name="Apply").click()

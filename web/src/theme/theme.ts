@@ -29,9 +29,9 @@ export const theme = createTheme({
           : { root: {} },
     }),
     ActionIcon: { defaultProps: { size: 28, variant: "default" } },
-    NativeSelect: { defaultProps: { size: "xs" } },
     PasswordInput: { defaultProps: { size: "md" } },
-    TextInput: { defaultProps: { size: "xs" } },
+    // A list of the browser's own, of what was typed before, would keep the first Esc to itself.
+    TextInput: { defaultProps: { size: "xs", autoComplete: "off" } },
     SegmentedControl: { defaultProps: { size: "xs" } },
     Tooltip: {
       defaultProps: { withArrow: true, openDelay: 250, multiline: true, events: { hover: true, focus: true, touch: true } },

@@ -1,6 +1,7 @@
 /** Who is signed in, and the way out. */
-import { Button, Popover } from "@mantine/core";
+import { Button } from "@mantine/core";
 import { readSession, signOut } from "../../api/service";
+import { Popup } from "../../ui/Popup";
 import { useAccess } from "./session";
 import styles from "./Identity.module.css";
 
@@ -12,15 +13,14 @@ export function Identity() {
     setSession(await readSession());
   };
   return (
-    <Popover position="bottom-end" trapFocus>
-      <Popover.Target>
+    <Popup
+      target={
         <Button variant="subtle" color="gray" className={styles.identity ?? ""} title="Signed in">
           {session.name} <small>{session.role}</small>
         </Button>
-      </Popover.Target>
-      <Popover.Dropdown>
-        <Button onClick={() => void leave().catch(() => undefined)}>Sign out</Button>
-      </Popover.Dropdown>
-    </Popover>
+      }
+    >
+      <Button onClick={() => void leave().catch(() => undefined)}>Sign out</Button>
+    </Popup>
   );
 }

@@ -1,11 +1,11 @@
 /** What may be done now. */
-import { NativeSelect } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { Panel } from "../../app/Panel";
 import { readNamedConfigurations } from "../../api/service";
 import type { NamedConfiguration } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
 import { useWhatIsLost } from "../mission/lost";
+import { Choice } from "../../ui/Choice";
 import { AnswerLine } from "./AnswerLine";
 import { CAPTURE, RESET, SEQUENCE } from "./catalogue";
 import { CommandButton } from "./CommandButton";
@@ -32,14 +32,12 @@ function ResetRow() {
   const description = configurations.find((configuration) => configuration.name === name)?.description ?? "";
   return (
     <div className={styles.reset}>
-      <NativeSelect
+      <Choice
         aria-label="Configuration to reset to"
         title={description}
         value={name}
         data={name === "" ? [""] : configurations.map((configuration) => configuration.name)}
-        onChange={(event) => {
-          setChosen(event.currentTarget.value);
-        }}
+        onChange={setChosen}
       />
       <CommandButton words={RESET} sign="reset" request={{ configuration: name }} warning={lost} />
     </div>

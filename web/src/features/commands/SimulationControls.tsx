@@ -1,7 +1,7 @@
 /** Mission time of a simulated plant: pause, run, step, speed. */
-import { NativeSelect } from "@mantine/core";
 import { useState } from "react";
 import { useSnapshot, useView } from "../../store/context";
+import { Choice } from "../../ui/Choice";
 import { fixed } from "../../units/units";
 import { useReasonAgainstCommanding } from "../control/control";
 import { BACK, PAUSE, RUN, speedsWith, STEP } from "./catalogue";
@@ -43,27 +43,23 @@ export function SimulationControls() {
       ) : (
         <CommandButton words={RUN} sign="play" request={{ speed: Number(chosen ?? speed) }} />
       )}
-      <NativeSelect
+      <Choice
         aria-label="Speed of the simulation"
         disabled={!live || byWho !== null}
         title={byWho ?? undefined}
         value={chosen ?? String(speed)}
         data={speedsWith(speed)}
-        onChange={(event) => {
-          choose(event.currentTarget.value);
-        }}
+        onChange={choose}
       />
       <div className={styles.steps}>
         <CommandButton words={BACK} sign="back" request={{ tick: Math.max(1, tick + 1 - Number(ticks)) }} against={backRefusal(running, tick)} />
         <CommandButton words={STEP} sign="step" request={{ ticks: Number(ticks) }} />
       </div>
-      <NativeSelect
+      <Choice
         aria-label="Ticks in one step"
         value={ticks}
         data={TICKS.map((value) => ({ value, label: value === "1" ? "1 tick" : `${value} ticks` }))}
-        onChange={(event) => {
-          setTicks(event.currentTarget.value);
-        }}
+        onChange={setTicks}
       />
     </div>
   );

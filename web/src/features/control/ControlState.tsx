@@ -1,11 +1,13 @@
 /** Who is in control, at the top of every page, and how that changes. */
-import { Button, NativeSelect, Popover } from "@mantine/core";
+import { Button } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { useDoing, type Doing } from "../../app/use-doing";
 import { changeControl, readControl } from "../../api/service";
 import type { Control } from "../../api/types";
 import { Icon, type Sign } from "../../theme/Icon";
+import { Choice } from "../../ui/Choice";
+import { Popup } from "../../ui/Popup";
 import { reasonByRole, useAccess } from "../access/session";
 import { controlWords, holdOf, useControl, type Hold } from "./control";
 import styles from "./ControlState.module.css";
@@ -36,7 +38,7 @@ function Mine({ control, me, doing }: ActionsProps) {
     <>
       <p>{control.offered_to === null ? "Everyone else sees, and may stop." : `${control.offered_to} has to take it. Until then it stays yours.`}</p>
       <div className={styles.pair}>
-        <NativeSelect aria-label="Operator to hand over to" disabled={others.length === 0} data={others.length === 0 ? ["no other operator"] : [...others]} value={to} onChange={(event) => { setChosen(event.currentTarget.value); }} />
+        <Choice within aria-label="Operator to hand over to" disabled={others.length === 0} data={others} value={to === "" ? "no other operator" : to} onChange={setChosen} />
         <Button disabled={to === ""} onClick={() => void doing(() => changeControl({ action: "hand_over", to }))}>
           Hand over
         </Button>
@@ -91,18 +93,19 @@ export function ControlState() {
     );
   }
   return (
-    <Popover position="bottom-end" trapFocus opened={opened} onChange={setOpened}>
-      <Popover.Target>
+    <Popup
+      opened={opened}
+      onChange={setOpened}
+      target={
         <Button className={styles.state ?? ""} data-hold={hold} leftSection={sign} aria-label={`Control of the mission: ${words}`} onClick={() => { setOpened(!opened); }}>
           {words}
         </Button>
-      </Popover.Target>
-      <Popover.Dropdown>
-        <div className={styles.actions} key={hold}>
-          <Actions control={control} me={session.name} doing={doing} />
-          {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
-        </div>
-      </Popover.Dropdown>
-    </Popover>
+      }
+    >
+      <div className={styles.actions} key={hold}>
+        <Actions control={control} me={session.name} doing={doing} />
+        {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+      </div>
+    </Popup>
   );
 }

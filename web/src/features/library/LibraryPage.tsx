@@ -1,5 +1,5 @@
 /** The library: every run that was recorded, found, read, annotated, taken away. */
-import { Button, NativeSelect, Switch, TextInput } from "@mantine/core";
+import { Button, Switch, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { EmptyPage } from "../../app/EmptyPage";
 import { Panel } from "../../app/Panel";
@@ -8,6 +8,7 @@ import type { RunsQuery, RunSummary } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { fixed } from "../../units/units";
 import { lookOf } from "../../theme/looks";
+import { Choice } from "../../ui/Choice";
 import styles from "./LibraryPage.module.css";
 import { RunView } from "./RunView";
 import { useLibrary, useRecording } from "./use-library";
@@ -53,7 +54,7 @@ interface FilterProps {
 
 function Filters({ query, onChange }: FilterProps) {
   const select = (name: "kind" | "status" | "outcome" | "sort", label: string, data: { value: string; label: string }[]) => (
-    <NativeSelect aria-label={label} value={query[name] ?? ""} data={data} onChange={(event) => { onChange(withWish(query, name, event.currentTarget.value)); }} />
+    <Choice aria-label={label} value={query[name] ?? ""} data={data} onChange={(value) => { onChange(withWish(query, name, value)); }} />
   );
   return (
     <div className={styles.filters}>

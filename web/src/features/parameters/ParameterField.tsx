@@ -1,8 +1,9 @@
 /** One parameter: its value, what is staged, and everything known about it on hover or focus. */
-import { NativeSelect, TextInput, Tooltip } from "@mantine/core";
+import { TextInput, Tooltip } from "@mantine/core";
 import { useId, type KeyboardEvent } from "react";
 import type { Parameter } from "../../api/types";
 import { Icon } from "../../theme/Icon";
+import { Choice } from "../../ui/Choice";
 import { shown, type AngleUnit } from "../../units/units";
 import { boundsText, fieldText, nudged, words, type Value } from "./draft";
 import styles from "./ParameterField.module.css";
@@ -49,12 +50,12 @@ function Entry(state: FieldState & { readonly id: string; readonly note: string 
   const common = { id, value: text, error: error !== undefined, "aria-describedby": note };
   if (parameter.choices) {
     return (
-      <NativeSelect
+      <Choice
         {...common}
         className={styles.entry}
         data={parameter.choices.map((choice) => ({ value: choice, label: words(choice) }))}
-        onChange={(event) => {
-          edit(parameter, event.currentTarget.value);
+        onChange={(choice) => {
+          edit(parameter, choice);
         }}
       />
     );

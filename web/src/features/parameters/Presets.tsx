@@ -1,11 +1,13 @@
 /** Parameters kept by name: chosen, they are staged like any edit; what is in force and staged is kept by a name. */
-import { Button, NativeSelect, Popover, TextInput } from "@mantine/core";
+import { Button, TextInput } from "@mantine/core";
 import { useCallback, useEffect, useState } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { useDoing } from "../../app/use-doing";
 import { keepPreset, readPresets, removePreset } from "../../api/service";
 import type { Preset, PresetBody } from "../../api/types";
 import { useView } from "../../store/context";
+import { Choice } from "../../ui/Choice";
+import { Popup } from "../../ui/Popup";
 import { useReasonByRole } from "../access/session";
 import styles from "./Presets.module.css";
 
@@ -39,7 +41,7 @@ export function Presets({ present, stage }: PresetsProps) {
   const change = (work: () => Promise<unknown>): void => void doing(() => work().then(again));
   return (
     <div className={styles.presets}>
-      <NativeSelect
+      <Choice
         aria-label="Preset to stage"
         value=""
         onFocus={again}
@@ -47,33 +49,32 @@ export function Presets({ present, stage }: PresetsProps) {
           { value: "", label: presets.length === 0 ? "No preset kept yet" : "Stage a preset" },
           ...presets.map(({ preset, config }) => ({ value: preset.name, label: preset.name, disabled: config === null })),
         ]}
-        onChange={(event) => {
-          const chosen = presets.find(({ preset }) => preset.name === event.currentTarget.value);
+        onChange={(value) => {
+          const chosen = presets.find(({ preset }) => preset.name === value);
           if (chosen === undefined) return;
           setName(chosen.preset.name);
           stage(chosen);
         }}
       />
-      <Popover position="bottom-end" trapFocus>
-        <Popover.Target>
+      <Popup
+        target={
           <Button disabled={byRole !== null} title={byRole ?? undefined}>
             Keep as
           </Button>
-        </Popover.Target>
-        <Popover.Dropdown>
-          <div className={styles.keep}>
-            <TextInput aria-label="Name of the preset" placeholder="such as: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
-            <p>{known ? `Kept by ${known.preset.who}; it would be replaced.` : "Keeps what is in force, with what is staged."}</p>
-            <div className={styles.pair}>
-              <Button variant="filled" loading={waiting} disabled={name.trim() === "" || present === null} onClick={() => { if (present !== null) change(() => keepPreset(name.trim(), present)); }}>
-                {known ? "Replace" : "Keep"}
-              </Button>
-              {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.preset.name)); }} />}
-            </div>
-            {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+        }
+      >
+        <div className={styles.keep}>
+          <TextInput aria-label="Name of the preset" placeholder="such as: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
+          <p>{known ? `Kept by ${known.preset.who}; it would be replaced.` : "Keeps what is in force, with what is staged."}</p>
+          <div className={styles.pair}>
+            <Button variant="filled" loading={waiting} disabled={name.trim() === "" || present === null} onClick={() => { if (present !== null) change(() => keepPreset(name.trim(), present)); }}>
+              {known ? "Replace" : "Keep"}
+            </Button>
+            {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.preset.name)); }} />}
           </div>
-        </Popover.Dropdown>
-      </Popover>
+          {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+        </div>
+      </Popup>
     </div>
   );
 }

@@ -1,8 +1,9 @@
 /** A recorded run in the scene: what was at the moment that the clock shows, and the clock's own controls. */
-import { ActionIcon, Button, NativeSelect, Slider } from "@mantine/core";
+import { ActionIcon, Button, Slider } from "@mantine/core";
 import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import type { MissionSnapshot } from "../../api/types";
 import { Icon } from "../../theme/Icon";
+import { Choice } from "../../ui/Choice";
 import { clock, fixed, MILLIMETRES_PER_SECOND, shown } from "../../units/units";
 import { Facts, type Fact } from "../../app/Facts";
 import { usePreferences } from "../../app/preferences";
@@ -109,12 +110,11 @@ function Transport({ player, end }: { readonly player: Player; readonly end: num
         onChange={(value) => { player.seek(value); }}
       />
       <output className={styles.time}>{clock(time)}</output>
-      <NativeSelect
+      <Choice
         aria-label="Speed of the replay"
-        size="xs"
         value={String(speed)}
         data={SPEEDS.map((value) => ({ value: String(value), label: `${value} ×` }))}
-        onChange={(event) => { player.choose(Number(event.currentTarget.value)); }}
+        onChange={(value) => { player.choose(Number(value)); }}
       />
     </div>
   );

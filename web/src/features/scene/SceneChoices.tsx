@@ -1,7 +1,8 @@
 /** From where a scene is looked at, and which of its layers are drawn. */
-import { Button, Checkbox, Popover, SegmentedControl } from "@mantine/core";
+import { Button, Checkbox, SegmentedControl } from "@mantine/core";
 import { useState } from "react";
 import type { SceneChange, SceneView } from "../../api/types";
+import { Popup } from "../../ui/Popup";
 import styles from "./ScenePanel.module.css";
 
 type Camera = SceneView["camera"];
@@ -33,21 +34,20 @@ export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
         data={view.cameras.map((name) => ({ value: name, label: CAMERA_WORDS[name] }))}
         onChange={(camera) => { change({ camera }); }}
       />
-      <Popover position="bottom-end" trapFocus>
-        <Popover.Target>
+      <Popup
+        target={
           <Button size="compact-xs" disabled={against !== null}>
             Layers
           </Button>
-        </Popover.Target>
-        <Popover.Dropdown>
-          <fieldset className={styles.layers}>
-            <legend>Layers</legend>
-            {Object.entries(layers).map(([layer, drawn]) => (
-              <Checkbox key={layer} size="xs" label={layer} checked={drawn} onChange={(event) => { change({ layers: { [layer]: event.currentTarget.checked } }); }} />
-            ))}
-          </fieldset>
-        </Popover.Dropdown>
-      </Popover>
+        }
+      >
+        <fieldset className={styles.layers}>
+          <legend>Layers</legend>
+          {Object.entries(layers).map(([layer, drawn]) => (
+            <Checkbox key={layer} size="xs" label={layer} checked={drawn} onChange={(event) => { change({ layers: { [layer]: event.currentTarget.checked } }); }} />
+          ))}
+        </fieldset>
+      </Popup>
     </div>
   );
 }

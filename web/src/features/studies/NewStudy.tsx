@@ -1,12 +1,15 @@
 /** The form that starts a study: the paper's, or one's own. */
-import { Button, Checkbox, NativeSelect, TextInput } from "@mantine/core";
-import { useEffect, useId, useState } from "react";
+import { Button, Checkbox, TextInput } from "@mantine/core";
+import { useEffect, useState } from "react";
 import { Panel } from "../../app/Panel";
 import { Refusal } from "../../api/refusal";
 import { readNamedConfigurations, startStudy } from "../../api/service";
 import type { StudyEstimate, StudyRequest } from "../../api/types";
 import { useConfiguration } from "../../store/configuration";
 import { Icon } from "../../theme/Icon";
+import { Choice } from "../../ui/Choice";
+import type { ChoiceOption } from "../../ui/options";
+import { SuggestInput } from "../../ui/SuggestInput";
 import { useReasonByRole } from "../access/session";
 import { EMPTY_DRAFT, readDraft, type DraftRead, type StudyDraft } from "./definition";
 import styles from "./StudiesPage.module.css";
@@ -15,15 +18,9 @@ import { estimateWords, valuesWords } from "./words";
 
 const PUBLISHED: StudyRequest = { study: "published", changes: {}, confirm: false };
 
-function Paths({ id }: { readonly id: string }) {
+function usePaths(): ChoiceOption[] {
   const { parameters } = useConfiguration();
-  return (
-    <datalist id={id}>
-      {parameters.map((parameter) => (
-        <option key={parameter.path} value={parameter.path}>{`${parameter.description} [${parameter.unit}]`}</option>
-      ))}
-    </datalist>
-  );
+  return parameters.map(({ path, description, unit }) => ({ value: path, label: `${description} [${unit}]` }));
 }
 
 /** The named configurations of the service; while it has not said them, the one that is chosen. */
@@ -41,7 +38,7 @@ interface LinesProps<Line> {
   readonly hint: string;
   readonly lines: readonly Line[];
   readonly fields: readonly [keyof Line & string, string][];
-  readonly paths: string;
+  readonly paths: readonly ChoiceOption[];
   readonly fresh: Line;
   readonly onChange: (lines: readonly Line[]) => void;
   readonly read: DraftRead;
@@ -58,15 +55,14 @@ function Lines<Line extends { readonly path: string }>({ title, kind, hint, line
         return (
           <div key={place} className={styles.line}>
             {fields.map(([field, label]) => (
-              <TextInput
+              <SuggestInput
                 key={field}
                 aria-label={`${title}, ${label} ${place + 1}`}
                 placeholder={label}
-                list={field === "path" ? paths : undefined}
+                data={field === "path" ? paths : []}
                 value={String(line[field])}
                 error={fault !== undefined && field !== "path"}
-                onChange={(event) => {
-                  const value = event.currentTarget.value;
+                onChange={(value) => {
                   onChange(lines.map((each, at) => (at === place ? { ...each, [field]: value } : each)));
                 }}
               />
@@ -100,19 +96,18 @@ interface FormProps {
 }
 
 function Form({ draft, change, read, estimate }: FormProps) {
-  const paths = useId();
+  const paths = usePaths();
   const configurations = useConfigurations(draft.configuration);
   return (
     <>
-      <Paths id={paths} />
       <TextInput label="Name" placeholder="study" maxLength={200} value={draft.name} onChange={(event) => { change({ name: event.currentTarget.value }); }} />
-      <NativeSelect label="Configuration" value={draft.configuration} data={[...configurations]} onChange={(event) => { change({ configuration: event.currentTarget.value }); }} />
+      <Choice label="Configuration" value={draft.configuration} data={configurations} onChange={(configuration) => { change({ configuration }); }} />
       <Lines title="Grid" kind="grid" hint="0.1, 0.2 or 0 .. 6 by 1.5 or 0 .. 6 in 5" lines={draft.grid} fields={[["path", "parameter"], ["values", "values"]]} paths={paths} fresh={{ path: "", values: "" }} onChange={(grid) => { change({ grid }); }} read={read} estimate={estimate} />
       <Lines title="Draws" kind="draws" hint="0.5 .. 1.5 or 2.35 ± 0.1" lines={draft.draws} fields={[["path", "parameter"], ["distribution", "distribution"]]} paths={paths} fresh={{ path: "", distribution: "" }} onChange={(draws) => { change({ draws }); }} read={read} estimate={estimate} />
       {draft.draws.length > 0 && (
         <div className={styles.pair}>
           <TextInput label="Draws of each" value={draft.count} error={read.faults.get("count")} onChange={(event) => { change({ count: event.currentTarget.value }); }} />
-          <NativeSelect label="Spread" value={draft.method} data={METHODS} onChange={(event) => { change({ method: event.currentTarget.value }); }} />
+          <Choice label="Spread" value={draft.method} data={METHODS} onChange={(method) => { change({ method }); }} />
         </div>
       )}
       <div className={styles.pair}>

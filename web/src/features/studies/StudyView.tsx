@@ -1,11 +1,12 @@
 /** One study: its state, its map, and what may be done with it. */
-import { Button, NativeSelect, Switch, useMantineColorScheme } from "@mantine/core";
+import { Button, Switch, useMantineColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useEffect, useRef, useState, type ReactNode } from "react";
 import { readPublishedTables, resultsAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
 import { DownloadLink } from "../../app/DownloadLink";
 import { Icon } from "../../theme/Icon";
+import { Choice } from "../../ui/Choice";
 import { saveSvg } from "./export-svg";
 import { gridAxes, usualSpread, type Spread } from "./layout";
 import { publishedFor } from "./published";
@@ -71,11 +72,11 @@ function AxisChoice({ study, spread, chosen, onSpread, onChosen }: {
     <>
       {(["x", "y", "facet"] as const).map((role) =>
         spread[role] === null ? null : (
-          <NativeSelect key={role} aria-label={{ x: "Across", y: "Upright", facet: "Panels" }[role]} value={spread[role].path} data={axes.map((axis) => ({ value: axis.path, label: `${{ x: "Across", y: "Upright", facet: "Panels" }[role]}: ${axisName(axis.path)}` }))} onChange={(event) => { swap(role, event.currentTarget.value); }} />
+          <Choice key={role} aria-label={{ x: "Across", y: "Upright", facet: "Panels" }[role]} value={spread[role].path} data={axes.map((axis) => ({ value: axis.path, label: `${{ x: "Across", y: "Upright", facet: "Panels" }[role]}: ${axisName(axis.path)}` }))} onChange={(path) => { swap(role, path); }} />
         ),
       )}
       {rest.map((axis) => (
-        <NativeSelect key={axis.path} aria-label={axis.path} value={String(chosen.get(axis.path) ?? 0)} data={axis.values.map((value, place) => ({ value: String(place), label: `${axisName(axis.path)} = ${value}` }))} onChange={(event) => { onChosen(new Map(chosen).set(axis.path, Number(event.currentTarget.value))); }} />
+        <Choice key={axis.path} aria-label={axis.path} value={String(chosen.get(axis.path) ?? 0)} data={axis.values.map((value, place) => ({ value: String(place), label: `${axisName(axis.path)} = ${value}` }))} onChange={(place) => { onChosen(new Map(chosen).set(axis.path, Number(place))); }} />
       ))}
     </>
   );
@@ -107,7 +108,7 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
     <section className={styles.view} aria-label={`Study ${study.name}`}>
       {head}
       <div className={styles.toolbar}>
-        <NativeSelect aria-label="Colour shows" value={column} data={columnsOf(study)} onChange={(event) => { setColumn(event.currentTarget.value); }} />
+        <Choice aria-label="Colour shows" value={column} data={columnsOf(study)} onChange={setColumn} />
         {spread && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
         {published && <Switch size="xs" label="beside the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
         <span className={styles.spring} />

@@ -1,0 +1,101 @@
+/** One of several, from a drop-down of our own: a native one keeps the first Esc to itself, and Esc stops the mission. */
+import { Combobox, InputBase, useCombobox } from "@mantine/core";
+import { useId, useState, type KeyboardEvent } from "react";
+import { EscNote } from "./EscNote";
+import { longestOf, optionsOf, typedTo, type ChoiceOption } from "./options";
+import styles from "./ui.module.css";
+
+interface ChoiceProps {
+  /** Stands above it. Without one, `aria-label` names it. */
+  readonly label?: string;
+  readonly "aria-label"?: string;
+  readonly "aria-describedby"?: string;
+  readonly id?: string;
+  readonly title?: string | undefined;
+  readonly className?: string | undefined;
+  readonly value: string;
+  readonly data: readonly (string | ChoiceOption)[];
+  readonly onChange: (value: string) => void;
+  readonly onFocus?: () => void;
+  readonly disabled?: boolean;
+  readonly error?: boolean;
+  /** Within a popup that closes when something outside of it is pressed. */
+  readonly within?: boolean;
+}
+
+export function Choice({ value, data, onChange, within = false, className, ...input }: ChoiceProps) {
+  const options = optionsOf(data);
+  const list = useId();
+  // The option that a typed letter went to, until another key moves on.
+  const [typed, setTyped] = useState<string | null>(null);
+  const combobox = useCombobox({
+    onDropdownOpen: () => {
+      combobox.updateSelectedOptionIndex("active", { scrollIntoView: true });
+    },
+    onDropdownClose: () => {
+      combobox.resetSelectedOption();
+      setTyped(null);
+    },
+  });
+  const keys = (event: KeyboardEvent): void => {
+    setTyped(null);
+    if (!combobox.dropdownOpened) return;
+    const place = typedTo(event, options, combobox.getSelectedOptionIndex());
+    if (place === null) return;
+    event.preventDefault();
+    combobox.selectOption(place);
+    setTyped(`${list}-${place}`);
+  };
+  const chosen = options.find((option) => option.value === value);
+  return (
+    <Combobox
+      store={combobox}
+      withinPortal={!within}
+      width="max-content"
+      position="bottom-start"
+      onOptionSubmit={(next) => {
+        onChange(next);
+        combobox.closeDropdown();
+      }}
+    >
+      <Combobox.Target targetType="button" withExpandedAttribute {...(typed !== null && { "aria-activedescendant": typed })}>
+        <InputBase
+          component="button"
+          type="button"
+          size="xs"
+          pointer
+          className={className ?? ""}
+          rightSection={<Combobox.Chevron />}
+          rightSectionPointerEvents="none"
+          onKeyDown={keys}
+          onClick={() => {
+            combobox.toggleDropdown();
+          }}
+          onBlur={() => {
+            combobox.closeDropdown();
+          }}
+          {...input}
+        >
+          <span className={styles.chosen} data-longest={longestOf(options)}>{chosen?.label ?? value}</span>
+        </InputBase>
+      </Combobox.Target>
+      <Combobox.Dropdown className={styles.dropdown ?? ""}>
+        <Combobox.Options className={styles.options ?? ""} aria-label={input["aria-label"] ?? input.label ?? "Choices"}>
+          {options.map((option, place) => (
+            <Combobox.Option
+              key={option.value}
+              id={`${list}-${place}`}
+              value={option.value}
+              active={option.value === value}
+              aria-selected={option.value === value}
+              {...(option.disabled === true && { disabled: true })}
+            >
+              {option.label}
+            </Combobox.Option>
+          ))}
+        </Combobox.Options>
+        <EscNote />
+      </Combobox.Dropdown>
+    </Combobox>
+  );
+}
