@@ -35,8 +35,12 @@ class ConsoleFiles(StaticFiles):
     ) -> Response:
         """The file with its caching."""
         response = super().file_response(full_path, stat_result, scope, status_code)
-        kept = "assets" in Path(full_path).parts
+        path = Path(full_path)
+        kept = "assets" in path.parts
         response.headers["Cache-Control"] = "public, max-age=31536000, immutable" if kept else "no-cache"
+        if path.suffix == ".html":
+            # STOP is written within the page (docs/decisions/0007): exactly that script is allowed.
+            response.headers["Content-Security-Policy"] = _policy_of(path.read_bytes())
         return response
 
 
@@ -58,9 +62,13 @@ async def _docs() -> HTMLResponse:
         swagger_css_url="swagger/swagger-ui.css",
         swagger_favicon_url="favicon.svg",
     )
-    scripts = inline_scripts(bytes(page.body))
-    page.headers["Content-Security-Policy"] = content_policy(f"script-src 'self' {scripts}")
+    page.headers["Content-Security-Policy"] = _policy_of(bytes(page.body))
     return page
+
+
+def _policy_of(page: bytes) -> str:
+    """Our own files, and the scripts that are written within the page."""
+    return content_policy(f"script-src 'self' {inline_scripts(page)}")
 
 
 async def _not_built() -> None:

@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { dirname, join } from "node:path";
 import react from "@vitejs/plugin-react";
-import { defineConfig, type Plugin } from "vite";
+import { build, defineConfig, type Plugin } from "vite";
 
 const service = process.env["BECALM_URL"] ?? "http://127.0.0.1:8000";
 
@@ -20,8 +20,39 @@ function swaggerUi(): Plugin {
   };
 }
 
+const STOP_ENTRY = "/src/stop/main.ts";
+const STOP_PLACE = "<!-- stop -->";
+
+/** The script and the style of STOP as elements that need no other file. */
+async function builtStop(): Promise<string> {
+  const built = await build({
+    configFile: false,
+    logLevel: "error",
+    build: { write: false, target: "es2022", lib: { entry: `.${STOP_ENTRY}`, formats: ["iife"], name: "stop", fileName: "stop" } },
+  });
+  const files = (Array.isArray(built) ? built : [built]).flatMap((result) => ("output" in result ? result.output : []));
+  return files
+    .map((file) => (file.type === "chunk" ? `<script>${file.code}</script>` : `<style>${String(file.source)}</style>`))
+    .join("\n    ");
+}
+
+/** STOP stands in `index.html` itself, before every other file: none that is late, or missing, can keep it from the page. */
+function stopFirst(): Plugin {
+  return {
+    name: "stop-first",
+    transformIndexHtml: {
+      order: "post",
+      handler: async (html, { server }) => {
+        const elements = server === undefined ? await builtStop() : `<script type="module" src="${STOP_ENTRY}"></script>`;
+        if (!html.includes(STOP_PLACE)) throw new Error(`index.html has no ${STOP_PLACE}`);
+        return html.replace(STOP_PLACE, () => elements);
+      },
+    },
+  };
+}
+
 export default defineConfig({
-  plugins: [react(), swaggerUi()],
+  plugins: [react(), swaggerUi(), stopFirst()],
   // Relative: the console may lie under a path of another site (src/api/address.ts).
   base: "./",
   build: {

@@ -89,8 +89,6 @@ export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
 export const armCommand = (request: ArmingRequest): Promise<Arming> =>
   bodyOf(client.POST("/api/v1/mission/arming", { body: request, ...within(ANSWER_TIME) }));
 
-export const stopMission = (): Promise<CommandAnswer> => bodyOf(client.POST("/api/v1/mission/stop", within(1500)));
-
 export const readControl = (): Promise<ControlStatus> => bodyOf(client.GET("/api/v1/mission/control", within(ANSWER_TIME)));
 
 export const changeControl = (body: ControlRequest): Promise<CommandAnswer> =>

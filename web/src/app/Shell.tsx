@@ -1,7 +1,9 @@
-/** The frame of every page: who and what at the top, STOP within reach, one page below. */
+/** The frame of every page: who and what at the top, one page below. STOP stands outside of it (src/stop). */
 import { LibraryPage } from "../features/library/LibraryPage";
 import { LinkPage } from "../features/link/LinkPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
+import { useEffect } from "react";
+import { tellPhase } from "../stop/events";
 import { useView } from "../store/context";
 import { Boundary } from "./Boundary";
 import { MissionPage } from "./MissionPage";
@@ -9,10 +11,19 @@ import { useRoute } from "./route";
 import styles from "./Shell.module.css";
 import { TopBar } from "./TopBar";
 
+/** What STOP shows of its answer depends on it; that it stops does not. */
+function useTellPhase(): void {
+  const phase = useView((view) => (view.trust === "live" ? (view.snapshot?.phase ?? null) : null));
+  useEffect(() => {
+    tellPhase(phase);
+  }, [phase]);
+}
+
 /** Pages stay as they are while another one is shown: the scene keeps its view, a form what was typed. */
 export function Shell() {
   const trust = useView((view) => view.trust);
   const { page, item, other } = useRoute();
+  useTellPhase();
   return (
     <div className={styles.shell} data-trust={trust}>
       <TopBar page={page} />

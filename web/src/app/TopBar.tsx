@@ -2,7 +2,6 @@ import { ActionIcon, SegmentedControl, Tooltip, useMantineColorScheme } from "@m
 import { addressOf } from "../api/address";
 import { Identity } from "../features/access/Identity";
 import { ControlState } from "../features/control/ControlState";
-import { StopButton } from "../features/commands/StopButton";
 import { isPhase, PHASE_WORDS } from "../store/phases";
 import { useSnapshot } from "../store/context";
 import { Icon } from "../theme/Icon";
@@ -101,7 +100,6 @@ export function TopBar({ page }: { readonly page: Page }) {
         <LinkState />
         <AngleSwitch />
         <ThemeSwitch />
-        <StopButton />
       </div>
     </header>
   );

@@ -44,7 +44,7 @@ const LABELS = new Map(
   [CAPTURE, ...SEQUENCE, RESET, PAUSE, RUN, STEP, BACK].map(({ command, label }): [string, string] => [command, label]),
 );
 
-export const labelOf = (order: string): string => LABELS.get(order) ?? "STOP";
+export const labelOf = (order: string): string => LABELS.get(order) ?? order;
 
 export interface Speed {
   readonly value: string;

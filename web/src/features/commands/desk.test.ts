@@ -10,12 +10,12 @@ const MOVES = { words: "The robot will move.", byService: false };
 const ROBOT_MOVES = { ...MOVES, byService: true };
 const arming: Arming = { token: "t", command: "capture", expires_in: 6, message: "capture is armed" };
 
-const deskWith = (service: Partial<Record<"send" | "stop" | "arm", unknown>>): CommandDesk =>
-  new CommandDesk({ send: never, stop: never, arm: never, ...service } as ConstructorParameters<typeof CommandDesk>[0]);
+const deskWith = (service: Partial<Record<"send" | "arm", unknown>>): CommandDesk =>
+  new CommandDesk({ send: never, arm: never, ...service } as ConstructorParameters<typeof CommandDesk>[0]);
 
 describe("a command on its way", () => {
   it("waits, then shows what the service said", async () => {
-    const desk = deskWith({ send: () => Promise.resolve(answer), stop: never });
+    const desk = deskWith({ send: () => Promise.resolve(answer) });
     const sent = desk.send({ command: "capture" });
     expect(desk.read().waiting.has("capture")).toBe(true);
     expect(desk.read().answer?.verdict).toBe("waiting");
@@ -26,14 +26,14 @@ describe("a command on its way", () => {
 
   it("shows the reason of a refusal", async () => {
     const refusal = refusalOf(409, { title: "Refused", detail: "hold it first", tip: "press Hold" });
-    const desk = deskWith({ send: () => Promise.reject(refusal), stop: never });
+    const desk = deskWith({ send: () => Promise.reject(refusal) });
     await desk.send({ command: "release" });
     expect(desk.read().answer).toMatchObject({ verdict: "refused", words: "hold it first", tip: "press Hold" });
   });
 
   it("claims nothing when no answer came", async () => {
     const send = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
-    const desk = deskWith({ send, stop: never });
+    const desk = deskWith({ send });
     await desk.send({ command: "capture" });
     expect(desk.read().answer?.verdict).toBe("unknown");
     expect(send).toHaveBeenCalledTimes(1);
@@ -41,7 +41,7 @@ describe("a command on its way", () => {
 
   it("is sent once however often it is pressed", async () => {
     const send = vi.fn(() => Promise.resolve(answer));
-    const desk = deskWith({ send, stop: never });
+    const desk = deskWith({ send });
     await Promise.all([desk.send({ command: "capture" }), desk.send({ command: "capture" })]);
     expect(send).toHaveBeenCalledTimes(1);
   });
@@ -83,13 +83,11 @@ describe("a command in two steps", () => {
     expect(send).toHaveBeenCalledTimes(2);
   });
 
-  it("is armed no longer once anything else was ordered, or STOP", async () => {
-    const desk = deskWith({ send: () => Promise.resolve(answer), stop: () => Promise.resolve(answer) });
-    for (const other of [() => desk.send({ command: "hold" }), () => desk.stop()]) {
-      await desk.arm({ command: "capture" }, MOVES);
-      await other();
-      expect(desk.read().armed).toBeNull();
-    }
+  it("is armed no longer once anything else was ordered", async () => {
+    const desk = deskWith({ send: () => Promise.resolve(answer) });
+    await desk.arm({ command: "capture" }, MOVES);
+    await desk.send({ command: "hold" });
+    expect(desk.read().armed).toBeNull();
     await desk.arm({ command: "capture" }, MOVES);
     desk.explain("cage", "not now");
     expect(desk.read().armed).toBeNull();
@@ -144,22 +142,5 @@ describe("a command that the service arms", () => {
     await desk.arm({ command: "reset" }, MOVES);
     desk.heed(null); // what only the page asks twice about is none of the service's
     expect(desk.read().armed?.order).toBe("reset");
-  });
-});
-
-describe("STOP", () => {
-  it("is sent again until it is answered, but not for ever", async () => {
-    const stop = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
-    const desk = deskWith({ send: never, stop });
-    await desk.stop();
-    expect(stop).toHaveBeenCalledTimes(3);
-    expect(desk.read().stop?.verdict).toBe("unknown");
-  });
-
-  it("does not wait for a command that is under way", async () => {
-    const desk = deskWith({ send: () => new Promise(() => undefined), stop: () => Promise.resolve(answer) });
-    void desk.send({ command: "capture" });
-    await desk.stop();
-    expect(desk.read().stop?.verdict).toBe("accepted");
   });
 });

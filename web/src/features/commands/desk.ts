@@ -1,9 +1,9 @@
 /** Commands on their way: waiting, then what the service said. Nothing is assumed, nothing is queued. */
 import { Refusal } from "../../api/refusal";
-import { armCommand, sendCommand, stopMission } from "../../api/service";
+import { armCommand, sendCommand } from "../../api/service";
 import type { Armed, Arming, ArmingRequest, Command, CommandAnswer, CommandRequest } from "../../api/types";
 
-export type Order = Command | "stop";
+export type Order = Command;
 
 /** `unknown`: no answer came, so whether it was done cannot be told. */
 export type Verdict = "armed" | "waiting" | "accepted" | "refused" | "unknown";
@@ -42,12 +42,7 @@ export interface DeskView {
   readonly answer: Answer | null;
   /** The order that the next press gives, if it comes soon. */
   readonly armed: ArmedOrder | null;
-  /** The latest answer to STOP, which has a place of its own. */
-  readonly stop: Answer | null;
 }
-
-/** STOP may be sent again without harm; any other command may not. */
-const STOP_TRIES = 3;
 
 /** Milliseconds for which an order stays armed that only this page asks twice about. */
 export const ARMED_TIME = 6000;
@@ -57,7 +52,6 @@ export const DOUBLE_CLICK = 400;
 
 interface Service {
   readonly send: (request: CommandRequest) => Promise<CommandAnswer>;
-  readonly stop: () => Promise<CommandAnswer>;
   readonly arm: (request: ArmingRequest) => Promise<Arming>;
 }
 
@@ -69,14 +63,14 @@ const toBeArmed = ({ command, configuration, changes }: CommandRequest): ArmingR
 });
 
 export class CommandDesk {
-  private view: DeskView = { waiting: new Set(), answer: null, armed: null, stop: null };
+  private view: DeskView = { waiting: new Set(), answer: null, armed: null };
   private readonly listeners = new Set<() => void>();
   private armedAt = 0;
   /** Whether a snapshot has told of what the service armed; from then on it is armed for as long as they do. */
   private told = false;
   private disarming: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly service: Service = { send: sendCommand, stop: stopMission, arm: armCommand }) {}
+  constructor(private readonly service: Service = { send: sendCommand, arm: armCommand }) {}
 
   readonly subscribe = (listener: () => void): (() => void) => {
     this.listeners.add(listener);
@@ -136,16 +130,6 @@ export class CommandDesk {
     if (typeof own?.token !== "string") return;
     if (armed?.command === own.order) this.told = true;
     else if (this.told) this.disarm();
-  }
-
-  async stop(): Promise<void> {
-    this.disarm();
-    this.change({ waiting: including(this.view.waiting, "stop"), stop: waiting("stop") });
-    let answer = waiting("stop");
-    for (let attempt = 0; attempt < STOP_TRIES && answer.verdict !== "accepted"; attempt += 1) {
-      answer = await this.service.stop().then(accepted("stop"), refused("stop"));
-    }
-    this.change({ waiting: without(this.view.waiting, "stop"), stop: answer });
   }
 
   /** Shows why a button that cannot be pressed cannot; for fingers, which do not hover. */

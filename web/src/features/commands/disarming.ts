@@ -1,8 +1,8 @@
-/** What disarms beside the desk itself: the service, and the key that stops. */
+/** What disarms beside the desk itself: the service, and STOP. */
 import { useEffect } from "react";
 import { useStore } from "../../store/context";
+import { onStopPressed } from "../../stop/events";
 import type { CommandDesk } from "./desk";
-import { STOP_KEY } from "./stop-key";
 
 export function useDisarming(desk: CommandDesk): void {
   const store = useStore();
@@ -14,13 +14,5 @@ export function useDisarming(desk: CommandDesk): void {
       }),
     [store, desk],
   );
-  useEffect(() => {
-    const pressed = (event: KeyboardEvent): void => {
-      if (event.key === STOP_KEY) desk.disarm();
-    };
-    window.addEventListener("keydown", pressed, { capture: true });
-    return () => {
-      window.removeEventListener("keydown", pressed, { capture: true });
-    };
-  }, [desk]);
+  useEffect(() => onStopPressed(() => { desk.disarm(); }), [desk]);
 }

@@ -7,7 +7,6 @@ import { Choice } from "../../ui/Choice";
 import { clock, fixed, MILLIMETRES_PER_SECOND, shown } from "../../units/units";
 import { Facts, type Fact } from "../../app/Facts";
 import { usePreferences } from "../../app/preferences";
-import { useStopKey } from "../commands/stop-key";
 import { SceneChoices } from "../scene/SceneChoices";
 import { sceneAddress, useDetail } from "../scene/detail";
 import { SPEEDS, type Player } from "./player";
@@ -123,8 +122,6 @@ function Transport({ player, end }: { readonly player: Player; readonly end: num
 export function ReplayPanel({ run, end, player }: { readonly run: string; readonly end: number; readonly player: Player }) {
   const { opened, snapshot, ended, screening } = useScreening(run, player);
   const { detail } = useDetail();
-  const [loaded, setLoaded] = useState<{ readonly window: Window | null } | null>(null);
-  useStopKey(loaded);
   useFrames(player);
   useEffect(() => {
     player.extend(end);
@@ -137,7 +134,6 @@ export function ReplayPanel({ run, end, player }: { readonly run: string; readon
             className={styles.frame}
             src={sceneAddress(opened.scene, detail)}
             title="3D view of the recorded run"
-            onLoad={(event) => { setLoaded({ window: event.currentTarget.contentWindow }); }}
           />
         )}
         {ended !== null && <p role="alert">{ended}</p>}

@@ -1,4 +1,4 @@
-/** The 3D view, served by the same service; keys pressed in it reach STOP too. */
+/** The 3D view, served by the same service; keys pressed in it reach STOP too (src/stop/key.ts). */
 import { ActionIcon, Tooltip } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { changeScene, readScene } from "../../api/service";
@@ -6,7 +6,6 @@ import type { SceneView } from "../../api/types";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
 import { useReasonByRole } from "../access/session";
-import { useStopKey } from "../commands/stop-key";
 import { sceneAddress, useDetail, type Detail } from "./detail";
 import { SceneChoices } from "./SceneChoices";
 import styles from "./ScenePanel.module.css";
@@ -52,20 +51,13 @@ function DetailSwitch({ detail, choose }: DetailSwitchProps) {
   );
 }
 
-interface LoadedFrame {
-  readonly window: Window | null;
-}
-
 export function ScenePanel() {
-  // A new object with every load: a frame that navigates keeps its window but forgets its listeners.
-  const [loaded, setLoaded] = useState<LoadedFrame | null>(null);
   const begun = useView((view) => view.snapshot !== null);
   const old = useView((view) => view.trust === "stale" || view.trust === "preparing");
   // The view does not find its way back to a service that was away; with each new connection it is loaded anew.
   const connection = useView((view) => view.connections);
   const preparing = useView((view) => view.trust === "preparing");
   const { detail, choose } = useDetail();
-  useStopKey(loaded);
 
   return (
     <section className={styles.scene} aria-label="Scene">
@@ -75,9 +67,6 @@ export function ScenePanel() {
           src={sceneAddress("/scene/", detail)}
           title="3D view of robot and target"
           className={styles.frame}
-          onLoad={(event) => {
-            setLoaded({ window: event.currentTarget.contentWindow });
-          }}
         />
       )}
       {!begun && (
