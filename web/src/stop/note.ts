@@ -37,7 +37,7 @@ export class StopNote {
     clearTimeout(this.hiding);
     this.verdict = null;
     const place = this.place();
-    place?.removeAttribute("data-verdict");
+    place?.removeAttribute("data-answer");
     place?.replaceChildren();
   };
 
@@ -45,7 +45,7 @@ export class StopNote {
     clearTimeout(this.hiding);
     const place = this.place();
     if (place === null) return;
-    place.dataset["verdict"] = verdict;
+    place.dataset["answer"] = verdict;
     const strong = document.createElement("strong");
     strong.textContent = title;
     place.replaceChildren(strong, ...(advice === "" ? [] : [` ${advice} `, this.dismissal()]));

@@ -1,6 +1,7 @@
 /** A button that saves a figure as SVG, PNG or PDF. */
 import { Button, Menu } from "@mantine/core";
 import { useState } from "react";
+import { EscNote } from "../EscNote";
 import { FIGURE_FORMATS, saveFigure, type FigureFormat } from "./figure-file";
 
 const WORDS: Readonly<Record<FigureFormat, string>> = {
@@ -44,6 +45,7 @@ export function ExportMenu({ what, name, draw }: ExportMenuProps) {
             {WORDS[format]}
           </Menu.Item>
         ))}
+        <EscNote />
       </Menu.Dropdown>
     </Menu>
   );
