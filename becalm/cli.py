@@ -370,6 +370,7 @@ def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_js
 @click.option("--listen", metavar="ENDPOINT", multiple=True, help="Listen there: tcp/HOST:PORT or tls/HOST:PORT.")
 @click.option("--connect", metavar="ENDPOINT", multiple=True, help="Connect to this router or console.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all noise and faults.")
+@click.option("--name", default="emulator", show_default=True, help="Of the robot, by which a console knows it.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port of the faults' REST.  [default: free]")
 @click.option("--configuration", metavar="NAME", default="testbed", show_default=True, help="Robot and target.")
 @_configured
@@ -389,6 +390,7 @@ def robot(
     listen: tuple[str, ...],
     connect: tuple[str, ...],
     seed: int,
+    name: str,
     port: int,
     configuration: str,
     file: Path | None,
@@ -423,6 +425,7 @@ def robot(
     chosen = emulated.robot_settings(
         transport=transport,
         config=revised(named_configuration(configuration), _changes(file, settings)),
+        name=name,
         seed=seed,
         deadline=deadline,
         clock_offset=clock_offset,

@@ -92,7 +92,7 @@ class VirtualLink:
                 pose = self._sensors.pose(stamp, truth[f"{body}_pose"])
                 if pose is not None:
                     self._pictures.append((stamp + self._delay, body, wire.encode_pose(pose)))
-        joints = wire.decode_joints(wire.encode_joints(self._sensors.joints(stamp, truth)))
+        joints = wire.decode_joints(wire.encode_joints(self._sensors.joints(stamp, truth)._replace(robot="virtual")))
         self._perception.take_joints(joints)
         while self._pictures and self._pictures[0][0] <= stamp:
             _, body, payload = self._pictures.popleft()

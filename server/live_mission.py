@@ -11,6 +11,7 @@ from typing import Any
 
 from server.fork import Fork
 from server.inbox import Request
+from server.link.closing import closing_refusal
 from server.link.zenoh_plant import ZenohPlant
 from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
@@ -143,10 +144,13 @@ class LiveMission:
         """Do what was asked, from the next tick on.
 
         Raises:
-            MissionRefused: the phase does not allow it.
+            MissionRefused: the phase does not allow it, or a robot's hands cannot close on the target as it stands.
 
         """
         next_phase(self.phase, command)
+        closing = self._closing_refusal(command)
+        if closing is not None:
+            raise MissionRefused(closing, tip="wait until it has turned, or turn it by hand; then ask again")
         self._mission.request(command)
         self._interventions.append(Intervention(tick=self._mission.next_tick, command=command))
         self.run.begin(self._name, self.config)
@@ -229,7 +233,12 @@ class LiveMission:
 
     def refusals(self) -> dict[str, str | None]:
         """Every command of the mission: None if it is allowed now, else the reason why not."""
-        return {command.value: reason for command, reason in allowed_commands(self.phase).items()}
+        allowed = allowed_commands(self.phase)
+        return {command.value: reason or self._closing_refusal(command) for command, reason in allowed.items()}
+
+    def _closing_refusal(self, command: Command) -> str | None:
+        """Why a robot's hands should not close on the target now; None if they may, and in the simulation."""
+        return None if self._robot is None else closing_refusal(command, self.config, self._robot.state) or None
 
     def log_request(self, request: Request, *, accepted: bool, message: str) -> None:
         """Note who asked what, and the answer."""

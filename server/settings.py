@@ -16,6 +16,7 @@ from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from server.access.authority import host_name
+from server.link.bounds import Bounds, ListedBounds, ListedFrame, WristFrame
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised
 from sim.errors import ConfigError
@@ -65,6 +66,18 @@ class Settings(BaseModel):
     link_listen: tuple[str, ...] = Field((), description="Endpoints to listen on for the robot")
     link_deadline: float = Field(0.1, ge=0.02, le=10, description="Age at which the robot's streams are late [s]")
     link_detect_freeze: bool = Field(True, description="Whether a sensor that repeats itself counts as frozen")
+    link_robot: str | None = Field(None, description="Name of the robot that is flown; none: the first that is heard")
+    link_world_frame: str = Field("world", description="Frame in which poses and twists must come")
+    link_left_wrist: ListedFrame = Field(
+        WristFrame(frame="left_hand"),
+        description="Frame of the left wrist's sensor, in the hand's: frame=NAME,angle=RAD,x=M,y=M,sign=1 or -1",
+    )
+    link_right_wrist: ListedFrame = Field(
+        WristFrame(frame="right_hand"), description="Frame of the right wrist's sensor, likewise"
+    )
+    link_bounds: ListedBounds = Field(
+        Bounds(), description="What a reading of the robot's may be: force=N,tilt=RAD and others (docs/link.md)"
+    )
     contact_threshold: float = Field(0.12, gt=0, le=100, description="Wrist force that counts as contact [N]")
     link_user: str | None = Field(None, description="Name by which the robot's end knows the console")
     link_password_file: Path | None = Field(None, description="File that holds that user's password")

@@ -9,8 +9,17 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-VERSION = "1"
+VERSION = "2"
 """Of the contract; both ends say theirs, and the console flies no robot of another one."""
+
+LONGEST_MESSAGE = 8192
+"""Bytes; no message of the contract is as long, and a longer one is refused before it is read."""
+LONGEST_NAME = 200
+"""Characters of a session, a frame or a robot's identity."""
+ROBOT_IDENTITY = r"[A-Za-z0-9_-]{1,64}(?:\.[A-Za-z0-9_-]{1,64})?"
+"""NAME.START of a robot: its name, and a text that it draws at each start. A robot may leave `.START` away."""
+SESSION = rf"(?P<console>[A-Za-z0-9_-]{{1,64}})\.(?P<number>[0-9]{{1,18}})@(?P<robot>{ROBOT_IDENTITY})"
+"""CONSOLE.NUMBER@ROBOT: it names the robot, so that no other one follows what is sent in it."""
 
 PREFIX = "becalm"
 WORLD = "world"
@@ -81,7 +90,7 @@ JOINT_STATES = _stream(
     "joint_states",
     "sensor_msgs/msg/JointState",
     CONTROL_RATE,
-    "",
+    "(robot)",
     "joint angles [rad], rates [rad/s]; effort unused",
     express=True,
 )
@@ -107,7 +116,7 @@ MODE = Channel(
     MODE_RATE,
     "",
     Urgency.REPORT,
-    "one status: `message` is the mode; values: contract, session, why, refusals and command ages",
+    "one status: `hardware_id` is the robot, `message` its mode; values: contract, session, why, refusals, ages",
     express=False,
 )
 ACKNOWLEDGEMENT = Channel(
@@ -117,7 +126,8 @@ ACKNOWLEDGEMENT = Channel(
     None,
     "",
     Urgency.CONTROL,
-    "one status: `name` is the request, level OK or WARN, `message` why not; values: session, stamp of the request",
+    "one status: `hardware_id` is the robot, `name` the request, level OK or WARN, `message` why not; values: session, "
+    "stamp of the request",
     express=True,
 )
 HEARTBEAT_ECHO = Channel(
@@ -125,7 +135,7 @@ HEARTBEAT_ECHO = Channel(
     "sensor_msgs/msg/TimeReference",
     Sender.ROBOT,
     CONTROL_RATE,
-    "",
+    "(robot)",
     Urgency.CONTROL,
     "header.stamp: when the robot received a heartbeat; time_ref: that heartbeat's stamp; source: its session",
     express=True,
@@ -152,8 +162,12 @@ HEARTBEAT = Channel(
     express=True,
 )
 STOP = _request("stop", Urgency.STOP, "joint rates zero at once, whoever asks; ended only by a new session")
-OPEN = _request("session/open", Urgency.CONTROL, "take the robot, if nobody else holds it")
-TARE = _request("tare", Urgency.CONTROL, "what the wrist sensors read now is zero from here on")
+OPEN = _request(
+    "session/open",
+    Urgency.CONTROL,
+    "take the robot that the session names; stamp: that of a joint state which it answers",
+)
+TARE = _request("tare", Urgency.CONTROL, "what the wrists read now is zero from here on; stamp: as of session/open")
 
 STREAMS = (JOINT_STATES, *WRENCHES, BASE_POSE, BASE_TWIST, TARGET_POSE, TARGET_TWIST)
 """What the robot measures."""

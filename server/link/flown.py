@@ -46,6 +46,11 @@ def _link_settings(settings: Settings) -> LinkSettings:
                 "deadline": settings.link_deadline,
                 "contact_threshold": settings.contact_threshold,
                 "detect_freeze": settings.link_detect_freeze,
+                "robot": settings.link_robot,
+                "world_frame": settings.link_world_frame,
+                "left_wrist": settings.link_left_wrist,
+                "right_wrist": settings.link_right_wrist,
+                "bounds": settings.link_bounds,
             }
         )
     except ValidationError as error:

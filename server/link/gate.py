@@ -8,19 +8,23 @@ new session is opened, so that nothing which waited in a queue while the link wa
 from __future__ import annotations
 
 import logging
-from collections import Counter, deque
+import re
+from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 
-from server.link.contract import DEADLINE, JOINT_NAMES, RobotMode
-from server.link.wire import Call, JointCommand
+from server.link.contract import DEADLINE, JOINT_NAMES, SESSION, RobotMode
+from server.link.refusals import Quiet
+from server.link.wire import Call, JointCommand, printable
 from sim.compiled import FloatArray
 
 RAMP_TIME = 0.05
 """From full rates to zero, when the session is lost [s]."""
 AHEAD = 5_000_000
 """How far a stamp may lie in the receiver's future: no state has that one yet [ns]."""
+TOLD_NAME = 80
+"""Characters of a session in what the robot tells."""
 AGES_KEPT = 400
 """Command ages that percentiles are told of: two seconds."""
 
@@ -46,8 +50,10 @@ class Verdict(NamedTuple):
 class Gate:
     """The robot's guard. Times are whole nanoseconds of the robot's clock."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, robot: str) -> None:
+        """The guard of the robot of that identity."""
         self.limits = limits
+        self.robot = robot
         self.mode = RobotMode.WAITING
         self.why = "no session yet"
         self.session = ""
@@ -55,7 +61,7 @@ class Gate:
         self.refused = 0
         self.last_refusal = ""
         self._deadline = round(1e9 * limits.deadline)
-        self._told: Counter[tuple[str, str]] = Counter()
+        self._quiet = Quiet(log)
         self._ages: deque[float] = deque(maxlen=AGES_KEPT)
         self._wanted = np.zeros((2, 3))
         self._given = np.zeros((2, 3))
@@ -63,40 +69,55 @@ class Gate:
         self._heartbeat = 0
         self._commanded = 0
         self._answered = 0
+        self._opened = 0
+        self._stopped = 0
 
     def open(self, call: Call, now: int) -> Verdict:
-        """Give the robot to a session, unless another console holds it and is alive."""
-        holder, _, number = call.session.rpartition(".")
-        own, _, last = self.session.rpartition(".")
-        if not holder or not number.isdigit():
-            return self._refuse(call.session, "a session is named CONSOLE.NUMBER")
-        if holder == own and int(number) <= int(last):
-            return self._refuse(call.session, f"session {self.session} is newer")
-        if holder != own and self.mode is RobotMode.FOLLOWING:
-            return self._refuse(call.session, f"the robot is held by {self.session}")
+        """Give the robot to a session, unless another console holds it and is alive.
+
+        The request answers a joint state, as a command does: one that waited somewhere, or was sent before the last
+        STOP or the last session, is refused whoever sent it, and however its session is numbered.
+        """
+        reason = self._fault_of_opening(call, now)
+        if reason:
+            return self._refuse(call.session, reason, now)
+        if call.session == self.session:
+            return Verdict(True)  # once more: its acknowledgement was not heard yet
         self.session, self.mode, self.why = call.session, RobotMode.FOLLOWING, ""
         self._heard, self._heartbeat, self._commanded = now, 0, now
+        self._opened = call.stamp
         self._wanted[:] = 0.0
         log.info("session %s holds the robot", call.session)
         return Verdict(True)
 
-    def stop(self, call: Call) -> Verdict:
-        """Joint rates zero; anyone may."""
-        self.mode, self.why = RobotMode.STOPPED, f"STOP from {call.session or 'unknown'}"
+    def stop(self, call: Call | None, now: int) -> Verdict:
+        """Joint rates zero; anyone may, also by a message that cannot be read."""
+        session = call.session if call is not None else ""
+        self.mode, self.why = RobotMode.STOPPED, f"STOP from {printable(session, TOLD_NAME) or 'unknown'}"
+        self._stopped = now
         self._wanted[:] = self._given[:] = 0.0
-        log.warning("%s", self.why)
+        self._quiet.warning("stop", self.why, 1e-9 * now)
         return Verdict(True)
 
     def heartbeat(self, call: Call, now: int) -> None:
-        """Note that the holder of the session is alive."""
-        if call.session == self.session and call.stamp > self._heartbeat:
-            self._heartbeat, self._heard = call.stamp, now
+        """Note that the holder of the session is alive.
+
+        Its clock is not known here, but that it runs as this one does: a stamp that is further ahead of the last one
+        than time has passed is not the holder's, and would make its next ones look old.
+        """
+        if call.session != self.session or call.stamp <= self._heartbeat:
+            return
+        ahead = call.stamp - self._heartbeat - (now - self._heard) - self._deadline
+        if self._heartbeat and ahead > 0:
+            self._refuse(call.session, f"its heartbeat's stamp jumped ahead by {1e-6 * ahead:.0f} ms", now)
+            return
+        self._heartbeat, self._heard = call.stamp, now
 
     def command(self, command: JointCommand, now: int, arrived: int | None = None) -> Verdict:
         """Follow these joint rates from now on, or refuse them; they arrived now, or were looked at later."""
         reason = self._fault_of(command, now)
         if reason:
-            return self._refuse(command.session, reason)
+            return self._refuse(command.session, reason, now)
         self._answered, self._commanded = command.stamp, now
         self._wanted[:] = command.rate
         self.accepted += 1
@@ -135,17 +156,43 @@ class Gate:
         self._wanted[:] = 0.0
         log.warning("session %s: %s; joint rates go to zero", self.session, why)
 
-    def _fault_of(self, command: JointCommand, now: int) -> str:
-        """Why a command cannot be followed; empty if it can."""
-        age = now - command.stamp
-        if command.session != self.session or not self.session:
-            return f"another session holds the robot ({self.session or 'none'})"
-        if self.mode is not RobotMode.FOLLOWING:
-            return f"the robot is {self.mode}: {self.why}"
+    def _fault_of_opening(self, call: Call, now: int) -> str:
+        """Why a session cannot be opened; empty if it can."""
+        asked, own = re.fullmatch(SESSION, call.session), re.fullmatch(SESSION, self.session)
+        if asked is None:
+            return "a session is named CONSOLE.NUMBER@ROBOT"
+        if asked["robot"] != self.robot:
+            return f"this robot is {self.robot}"
+        if self.mode is RobotMode.FOLLOWING and own is not None and own["console"] != asked["console"]:
+            return f"the robot is held by {self.session}"
+        if call.session == self.session:
+            return "" if self.mode is RobotMode.FOLLOWING else f"it was let go: {self.why}"
+        return self._overtaken(call.stamp) or self._untimely(call.stamp, now)
+
+    def _overtaken(self, stamp: int) -> str:
+        """What has come after the state of that stamp and wins over a request that answers it; empty if nothing has."""
+        if stamp <= self._opened:
+            return f"session {self.session} is newer"
+        return f"it was asked for before the {self.why}" if stamp <= self._stopped else ""
+
+    def _untimely(self, stamp: int, now: int) -> str:
+        """Why what answers that state is not of now; empty if it is."""
+        age = now - stamp
         if age > self._deadline:
             return f"old: it answers a state of {1e-6 * age:.0f} ms ago, at most {1e3 * self.limits.deadline:.0f} ms"
         if age < -AHEAD:
             return f"it answers a state of {-1e-6 * age:.0f} ms in the future"
+        return ""
+
+    def _fault_of(self, command: JointCommand, now: int) -> str:
+        """Why a command cannot be followed; empty if it can."""
+        if command.session != self.session or not self.session:
+            return f"another session holds the robot ({self.session or 'none'})"
+        if self.mode is not RobotMode.FOLLOWING:
+            return f"the robot is {self.mode}: {self.why}"
+        late = self._untimely(command.stamp, now)
+        if late:
+            return late
         if command.stamp <= self._answered:
             return "out of order: this state or a later one was answered already"
         return self._beyond(command.rate)
@@ -155,11 +202,20 @@ class Gate:
         value, limit = float(rate.flat[fastest]), self.limits.joint_rate
         return f"{JOINT_NAMES[fastest]} = {value:.3g} rad/s: the limit is {limit:g} rad/s" if abs(value) > limit else ""
 
-    def _refuse(self, session: str, reason: str) -> Verdict:
+    def refuse_tare(self, call: Call, now: int) -> str:
+        """Why the wrists cannot be tared; empty if they can."""
+        if call.session != self.session or not self.session:
+            return f"another session holds the robot ({self.session or 'none'})"
+        return "the arms move" if self._given.any() else self._untimely(call.stamp, now)
+
+    def unreadable(self, what: str, reason: str, now: int) -> None:
+        """Note a message that is none."""
+        self._refuse("", f"{what}: {reason}", now)
+
+    def _refuse(self, session: str, reason: str, now: int) -> Verdict:
         self.refused += 1
-        self.last_refusal = f"{session or 'unknown'}: {reason}"
-        kind = (session, reason.partition(":")[0])
-        self._told[kind] += 1
-        if self._told[kind] == 1:
-            log.warning("refused from %s: %s", session or "unknown", reason)
+        who = printable(session, TOLD_NAME) or "unknown"
+        self.last_refusal = f"{who}: {reason}"
+        kind = re.sub(r"[-+.\d]+", "#", reason)
+        self._quiet.warning(f"{who} {kind}", f"refused from {who}: {reason}", 1e-9 * now)
         return Verdict(False, reason)

@@ -73,20 +73,20 @@ class BodyEstimate:
         self._x = np.zeros((3, 2))
         self._p = np.zeros((3, 2, 2))
 
-    def take(self, sample: PlaneSample, *, touched: bool) -> None:
-        """Take a pose, unless it is an outlier."""
+    def take(self, sample: PlaneSample, *, touched: bool) -> str:
+        """Take a pose, unless it is an outlier; why it is one, empty if it is none."""
         if not self.seen:
             self._begin(sample)
-            return
+            return ""
         dt = 1e-9 * (sample.stamp - self.stamp)
         if dt <= 0.0:
-            return
+            return ""
         x, p = self._predicted(dt, touched=touched)
         innovation = sample.value - x[:, 0]
         innovation[2] = math.remainder(innovation[2], math.tau)
         if self.seen == 1 and math.hypot(innovation[0], innovation[1]) > FASTEST * dt:
             self._begin(sample)  # one of the two is an outlier, and the next will tell
-            return
+            return ""
         spread = p[:, 0, 0] + self._measured
         if (np.abs(innovation) > GATE * np.sqrt(spread)).any():
             self.outliers += 1
@@ -94,12 +94,14 @@ class BodyEstimate:
             self._row += 1
             if self._row >= DOUBTFUL:
                 self._p[:, 1, 1] += self._doubt
-            return
+            way, turn = math.hypot(innovation[0], innovation[1]), abs(innovation[2])
+            return f"an outlier: {1e3 * way:.0f} mm and {turn:.3f} rad from where the body can be"
         gain = p[:, :, 0] / spread[:, None]
         self._x = x + gain * innovation[:, None]
         self._p = p - gain[:, :, None] * p[:, None, 0, :]
         self.stamp, self.outlying_since, self._row = sample.stamp, None, 0
         self.seen += 1
+        return ""
 
     def at(self, stamp: int) -> tuple[FloatArray, FloatArray]:
         """Pose and twist at that instant [ns], as if the body had moved freely since the last picture."""
@@ -191,14 +193,14 @@ class Perception:
         if self.base.seen:
             self._drift.take(joints, self._base_pose(joints.stamp))
 
-    def take_base(self, sample: PlaneSample) -> None:
-        """Take a pose of the base."""
+    def take_base(self, sample: PlaneSample) -> str:
+        """Take a pose of the base, unless it is an outlier; why it is one."""
         rest = sample._replace(value=sample.value - self._drift.at(sample.stamp))
-        self.base.take(rest, touched=self._touched(sample))
+        return self.base.take(rest, touched=self._touched(sample))
 
-    def take_target(self, sample: PlaneSample) -> None:
-        """Take a pose of the target."""
-        self.target.take(sample, touched=self._touched(sample))
+    def take_target(self, sample: PlaneSample) -> str:
+        """Take a pose of the target, unless it is an outlier; why it is one."""
+        return self.target.take(sample, touched=self._touched(sample))
 
     def tell(self, joints: JointSample, state: Record) -> None:
         """The state at that instant, into one element of `PLANT_STATE` but for `tick` and `time`."""

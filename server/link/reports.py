@@ -6,6 +6,8 @@ session before; only what the robot stamped after it granted a session says anyt
 
 from __future__ import annotations
 
+import re
+
 from server.link.contract import RobotMode
 from server.link.streams import WorstOf, begins_anew
 from server.link.wire import Report
@@ -53,11 +55,19 @@ class RobotReports:
     @property
     def command_ages(self) -> tuple[float, float] | None:
         """Median and 99 % quantile [s] of the commands that the robot took last; None if it has not taken any."""
-        try:
-            return float(self.value("command_age_p50")), float(self.value("command_age_p99"))
-        except ValueError:
-            return None
+        median, most = (decimal(self.value(f"command_age_{each}")) for each in ("p50", "p99"))
+        return None if median is None or most is None else (median, most)
 
     def value(self, key: str) -> str:
         """One of the values that it last told; empty if it did not."""
         return self.latest.values.get(key, "") if self.latest is not None else ""
+
+
+def whole(text: str) -> int | None:
+    """A count or a stamp as a report tells it, at most 19 digits; None if it is none."""
+    return int(text) if re.fullmatch(r"[0-9]{1,19}", text) else None
+
+
+def decimal(text: str) -> float | None:
+    """A time [s] as a report tells it; None if it is none."""
+    return float(text) if re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,12})?", text) else None

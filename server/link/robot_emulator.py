@@ -8,6 +8,7 @@ not show in them, as it would not in a robot whose sensors are read by a clock.
 from __future__ import annotations
 
 import logging
+import secrets
 import threading
 import time
 from collections import deque
@@ -32,8 +33,11 @@ from sim.model.robot import chain, robot_model
 from sim.plant.pymunk_plant import AirTable, PymunkPlant
 
 GRAVITY = 9.81
-INBOX_CAPACITY = 1000
-"""Messages that wait for the thread; the oldest go first."""
+WAITING = 32
+"""Messages of one key that wait for the thread, the oldest go first: more than a deadline's, and few enough to be read
+within a control period. Each key has its own, so that none crowds out a STOP."""
+OBEYED = (contract.STOP, contract.HEARTBEAT, contract.OPEN, contract.TARE, contract.JOINT_COMMAND)
+"""In this order: STOP before everything else, who holds the robot before what is commanded."""
 GIVE_UP = 0.25
 """Lateness beyond which periods are made up for without a word [s]."""
 MADE_UP = 5.0
@@ -49,6 +53,7 @@ class RobotSettings(BaseModel):
 
     transport: Transport
     config: MissionConfig
+    name: str = Field("emulator", pattern=r"^[A-Za-z0-9_-]{1,64}$", description="Of the robot")
     seed: int = Field(0, ge=0, description="Of every random number")
     deadline: float = Field(contract.DEADLINE, gt=0.01, le=10, description="Of heartbeat and commands [s]")
     clock_offset: float = Field(0.0, ge=-1e6, le=1e6, description="How far its clock is ahead of the machine's [s]")
@@ -56,7 +61,6 @@ class RobotSettings(BaseModel):
 
 
 class _Message(NamedTuple):
-    channel: Channel
     payload: bytes
     arrived: int
 
@@ -64,6 +68,7 @@ class _Message(NamedTuple):
 class RobotStatus(BaseModel):
     """What the emulator knows of itself, and no robot could tell."""
 
+    robot: str = Field(description="Identity: its name, and what it drew when it was last started")
     mode: RobotMode
     why: str
     session: str
@@ -164,12 +169,13 @@ class _Robot:
         self._period = config.control.period
         self._clock = clock
         self._seed = seed
-        self._gate = Gate(Limits(config.control.rates.joint_rate_limit, settings.deadline))
+        self._identity = f"{settings.name}.{secrets.token_hex(4)}"
+        self._gate = Gate(Limits(config.control.rates.joint_rate_limit, settings.deadline), self._identity)
         self._sensors = Sensors(some, seed)
         self._capture_delay = some.motion_capture_delay
         self._capture_every = max(1, round(1.0 / (contract.MOTION_CAPTURE_RATE * self._period)))
         self._mode_every = max(1, round(1.0 / (contract.MODE_RATE * self._period)))
-        self._inbox: deque[_Message] = deque(maxlen=INBOX_CAPACITY)
+        self._inboxes: dict[Channel, deque[_Message]] = {channel: deque(maxlen=WAITING) for channel in OBEYED}
         self._applied = np.zeros((2, 3))
         self._hung_until = 0.0
         self._frozen: dict[str, Any] = {}
@@ -179,9 +185,9 @@ class _Robot:
         self._warm_up(config, table)
         self._session = LinkSession(settings.transport)
         self.outbox = Outbox(self._session.publish, seed)
-        for channel in (contract.JOINT_COMMAND, contract.STOP, contract.OPEN, contract.TARE):
-            self._session.subscribe(channel, self._taker(channel))
-        self._session.subscribe(contract.HEARTBEAT, self._take_heartbeat)
+        for channel in OBEYED:
+            take = self._take_heartbeat if channel is contract.HEARTBEAT else self._taker(channel)
+            self._session.subscribe(channel, take)
 
     def _warm_up(self, config: MissionConfig, table: AirTable) -> None:
         """Load all compiled code before the schedule begins."""
@@ -216,6 +222,7 @@ class _Robot:
         """What the emulator knows of itself; for any thread."""
         gate, state = self._gate, self._plant.state
         return RobotStatus(
+            robot=self._identity,
             mode=gate.mode,
             why=gate.why,
             session=gate.session,
@@ -268,50 +275,58 @@ class _Robot:
         return driven
 
     def _taker(self, channel: Channel) -> Callable[[bytes], None]:
-        return lambda payload: self._inbox.append(_Message(channel, payload, self._clock.now()))
+        inbox = self._inboxes[channel]
+        return lambda payload: inbox.append(_Message(payload, self._clock.now()))
 
     def _take_heartbeat(self, payload: bytes) -> None:
         """Send a heartbeat back as soon as it comes, so that its way can be timed."""
         arrived = self._clock.now()
-        self._inbox.append(_Message(contract.HEARTBEAT, payload, arrived))
+        self._inboxes[contract.HEARTBEAT].append(_Message(payload, arrived))
         if time.monotonic() >= self._hung_until:
-            call = wire.decode_call(payload)
-            echo = wire.Echo(arrived, call.stamp, call.session)
+            try:
+                call = wire.decode_call(payload)
+            except wire.WireError:
+                return  # the thread that obeys it counts it
+            echo = wire.Echo(arrived, call.stamp, call.session, self._identity)
             self.outbox.send(contract.HEARTBEAT_ECHO, wire.encode_echo(echo))
 
     def _take_all(self) -> None:
-        """Obey what came; a STOP before everything else."""
-        messages = [self._inbox.popleft() for _ in range(len(self._inbox))]
-        for message in sorted(messages, key=lambda each: each.channel is not contract.STOP):
-            try:
-                self._obey(message)
-            except wire.WireError as error:
-                log.warning("%s: %s", message.channel.key, error)
+        """Obey what came; whatever its bytes are, the robot goes on."""
+        for channel, inbox in self._inboxes.items():
+            for message in [inbox.popleft() for _ in range(len(inbox))]:
+                try:
+                    self._obey(channel, message)
+                except Exception as error:
+                    self._gate.unreadable(channel.key, str(error), self._clock.now())
+                    if channel is contract.STOP:
+                        self._gate.stop(None, self._clock.now())
 
-    def _obey(self, message: _Message) -> None:
-        if message.channel is contract.JOINT_COMMAND:
-            self._gate.command(wire.decode_command(message.payload), self._clock.now(), message.arrived)
+    def _obey(self, channel: Channel, message: _Message) -> None:
+        now = self._clock.now()
+        if channel is contract.JOINT_COMMAND:
+            self._gate.command(wire.decode_command(message.payload), now, message.arrived)
             return
         call = wire.decode_call(message.payload)
-        if message.channel is contract.HEARTBEAT:
+        if channel is contract.HEARTBEAT:
             self._gate.heartbeat(call, message.arrived)
-        elif message.channel is contract.STOP:
-            self._acknowledge(message.channel, call, self._gate.stop(call))
-        elif message.channel is contract.OPEN:
-            self._acknowledge(message.channel, call, self._gate.open(call, self._clock.now()))
+        elif channel is contract.STOP:
+            self._acknowledge(channel, call, self._gate.stop(call, now))
+        elif channel is contract.OPEN:
+            self._acknowledge(channel, call, self._gate.open(call, now))
         else:
-            self._acknowledge(message.channel, call, self._tare(call))
+            self._acknowledge(channel, call, self._tare(call, now))
 
-    def _tare(self, call: wire.Call) -> Verdict:
-        if call.session != self._gate.session:
-            return Verdict(False, f"another session holds the robot ({self._gate.session or 'none'})")
+    def _tare(self, call: wire.Call, now: int) -> Verdict:
+        refusal = self._gate.refuse_tare(call, now)
+        if refusal:
+            return Verdict(False, refusal)
         self._sensors.tare()
         return Verdict(self._sensors.tared, "" if self._sensors.tared else "no reading yet")
 
     def _acknowledge(self, channel: Channel, call: wire.Call, verdict: Verdict) -> None:
         name = channel.key.removeprefix(f"{contract.PREFIX}/")
         values = {"session": call.session, "stamp": str(call.stamp)}
-        report = wire.Report(self._clock.now(), name, verdict.granted, verdict.reason, values)
+        report = wire.Report(self._clock.now(), self._identity, name, verdict.granted, verdict.reason, values)
         self.outbox.send(contract.ACKNOWLEDGEMENT, wire.encode_report(report))
 
     def _measure(self, stamp: int) -> None:
@@ -325,7 +340,7 @@ class _Robot:
             self._see_bodies(stamp)
         # Last: whoever takes a joint state has the wrenches of the same instant already.
         joints = self._or_frozen("joints", sensors.joints(stamp, state))
-        send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp)))
+        send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp, robot=self._identity)))
 
     def _see_bodies(self, stamp: int) -> None:
         state, sensors = self._plant.state, self._sensors
@@ -356,7 +371,7 @@ class _Robot:
             return
         self._shown = shown
         healthy = gate.mode in (RobotMode.WAITING, RobotMode.FOLLOWING)
-        report = wire.Report(stamp, "robot", healthy, gate.mode, self._mode_values())
+        report = wire.Report(stamp, self._identity, "robot", healthy, gate.mode, self._mode_values())
         self.outbox.send(contract.MODE, wire.encode_report(report))
 
     def _mode_values(self) -> Mapping[str, str]:

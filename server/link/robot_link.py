@@ -8,23 +8,23 @@ from __future__ import annotations
 
 import importlib
 import itertools
-import logging
 import secrets
 import threading
 import time
-from collections.abc import Callable
 from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.link import contract, wire
+from server.link.bounds import Bounds, WristFrame
 from server.link.clock import Clock
-from server.link.contract import Channel
+from server.link.contract import HAND_FRAMES, WORLD, Channel
+from server.link.identity import Identity
 from server.link.perception import Perception
-from server.link.reports import RobotReports
+from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
+from server.link.reports import whole
 from server.link.session import LinkSession, Transport
-from server.link.streams import OtherClock, Stream
-from server.link.wire import Call, Echo, JointCommand, JointSample, PlaneSample
+from server.link.wire import Call, JointCommand, JointSample, Report
 from server.realtime import punctual
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
@@ -34,26 +34,12 @@ from sim.errors import LinkLost, MissionRefused
 from sim.plant.pymunk_plant import PymunkPlant
 from sim.record import Record
 
-PING_PERIOD = 0.05
-"""Between two heartbeats of no session, which keep the clock's offset known while nothing is flown [s]."""
 REPEAT_PERIOD = 0.02
 """Between two sendings of a request that has not been acknowledged [s]."""
 ANSWER_TIME = 1.0
 """How long the robot may take to acknowledge a request [s]."""
 SETTLING_TIME = 1.5
 """How long a new mission may wait for that [s]."""
-STEADY_SPAN = 1.0
-"""How long the robot must have been heard without a gap before a mission begins [s]."""
-
-MODE_DEADLINE = 2.0 / contract.MODE_RATE
-"""How much later than a stream the robot's mode may be: it is told less often, and of the lowest priority [s]."""
-
-NEEDED = (contract.JOINT_STATES, *contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
-"""Streams without which no mission flies. Twists are watched only: velocities are estimated here."""
-NOISY = (*contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
-"""Streams that never tell the same twice, unless their sensor is frozen."""
-
-log = logging.getLogger(__name__)
 
 
 class LinkSettings(BaseModel):
@@ -65,6 +51,11 @@ class LinkSettings(BaseModel):
     deadline: float = Field(contract.DEADLINE, ge=0.02, le=10, description="Age at which a needed stream is late [s]")
     contact_threshold: float = Field(0.12, gt=0, le=100, description="Wrist force that counts as contact [N]")
     detect_freeze: bool = Field(True, description="Whether a sensor that repeats itself for a deadline is frozen")
+    robot: str | None = Field(None, description="Name of the robot that is flown; none: the first that is heard")
+    world_frame: str = Field(WORLD, description="Name of the frame of poses and twists")
+    left_wrist: WristFrame = Field(WristFrame(frame=HAND_FRAMES[0]), description="Of the left wrist's sensor")
+    right_wrist: WristFrame = Field(WristFrame(frame=HAND_FRAMES[1]), description="Of the right wrist's sensor")
+    bounds: Bounds = Field(Bounds(), description="What a reading may be")
 
 
 class Answer(NamedTuple):
@@ -105,17 +96,19 @@ class RobotLink:
         self.settings = settings
         self.console = secrets.token_hex(4)
         self.clock = Clock()
-        self.other_clock = OtherClock()
-        self.streams = {channel.key: Stream(channel.rate or 0.0) for channel in contract.STREAMS}
         self.session = ""
-        self.reports = RobotReports()
         self.stop_sent: Stop | None = None
         self.stop_acknowledged_after: float | None = None
-        self._perception = Perception(config, settings.contact_threshold)
-        self._joints: JointSample | None = None
+        perception = Perception(config, settings.contact_threshold)
+        self.identity = Identity(settings.robot)
+        self.reception = Reception(
+            self.console, _expected(settings), self.identity, perception, self.clock, lambda: self.settings.deadline
+        )
+        self.streams, self.other_clock = self.reception.streams, self.reception.other_clock
+        self.reports = self.reception.reports
         self._sessions = itertools.count(1)
-        self._answers: dict[tuple[str, int], Answer] = {}
-        self._change = threading.Condition()
+        self._answer: tuple[str, str, int, Answer] | None = None
+        self._change = self.reception.change
         self._ended = threading.Event()
         self._urgent = threading.Event()
         self._flown_at = 0.0
@@ -145,17 +138,7 @@ class RobotLink:
 
         """
         link = self._zenoh = LinkSession(self.settings.transport)
-        link.subscribe(contract.JOINT_STATES, self._take_joints)
-        for arm, channel in enumerate(contract.WRENCHES):
-            link.subscribe(channel, self._sampled(channel, wire.decode_wrench, self._wrench_taker(arm)))
-        see_base, see_target = self._perception.take_base, self._perception.take_target
-        for channel, take in ((contract.BASE_POSE, see_base), (contract.TARGET_POSE, see_target)):
-            link.subscribe(channel, self._sampled(channel, wire.decode_pose, take))
-        for channel in (contract.BASE_TWIST, contract.TARGET_TWIST):
-            link.subscribe(channel, self._sampled(channel, wire.decode_twist, None))
-        link.subscribe(contract.HEARTBEAT_ECHO, self._take_echo)
-        link.subscribe(contract.MODE, self._take_mode)
-        link.subscribe(contract.ACKNOWLEDGEMENT, self._take_acknowledgement)
+        self.reception.listen(link, self._take_acknowledgement)
         self._thread.start()
 
     def shutdown(self) -> None:
@@ -183,7 +166,7 @@ class RobotLink:
 
         """
         self._require_ready()
-        session = f"{self.console}.{next(self._sessions)}"
+        session = f"{self.console}.{next(self._sessions)}@{self.identity.robot}"
         self.stop_sent = None  # one that the robot has not acknowledged must not end the new session
         answer = self._request(contract.OPEN, session)
         if not answer.granted:
@@ -225,49 +208,39 @@ class RobotLink:
     def heartbeat(self) -> None:
         """Tell the robot that its session's mission thread is alive."""
         self._flown_at = time.monotonic()
-        self._send(contract.HEARTBEAT, wire.encode_call(Call(self.clock.now(), self.session)))
+        self._ping(self.session)
 
     def await_joints(self, after: int, timeout: float) -> JointSample | None:
         """The newest joint state later than that stamp [ns]; None if none comes within the time-out [s]."""
         with self._change:
-            self._change.wait_for(lambda: self._joints is not None and self._joints.stamp > after, timeout)
-            joints = self._joints
+            heard = self.reception
+            self._change.wait_for(lambda: heard.joints is not None and heard.joints.stamp > after, timeout)
+            joints = heard.joints
         return joints if joints is not None and joints.stamp > after else None
 
     def perceive_anew(self) -> None:
         """Forget what was perceived: it was with wrists that had not been tared."""
         with self._change:
-            self._perception.begin_anew()
+            self.reception.perception.begin_anew()
 
     @property
     def perceives(self) -> bool:
         """Whether both bodies have been seen for long enough."""
         with self._change:
-            return self._perception.complete
+            return self.reception.perception.complete
 
     def tell(self, joints: JointSample, state: Record) -> None:
         """What is perceived at that joint state, into one element of `PLANT_STATE`."""
         with self._change:
-            self._perception.tell(joints, state)
+            self.reception.perception.tell(joints, state)
 
     def trouble(self) -> str | None:
         """Why what arrives cannot be flown with now; None if it can."""
-        now, deadline = time.monotonic(), self.settings.deadline
-        for channel in NEEDED:
-            stream = self.streams[channel.key]
-            age = stream.age(now)
-            if age is None:
-                return f"{name_of(channel)}: none has come yet"
-            if age > deadline:
-                return f"{name_of(channel)} late: none for {1e3 * age:.0f} ms"
-            if channel in NOISY and self.settings.detect_freeze and stream.unchanged_for > deadline:
-                return f"{name_of(channel)} frozen: the same for {1e3 * stream.unchanged_for:.0f} ms"
-        return self._silent(now) or self._jump()
+        return self.reception.trouble(time.monotonic())
 
     def staleness(self, stamp: int) -> float:
         """How long ago the robot measured what has that stamp, by both clocks [s]; 0 before the offset is known."""
-        offset = self.other_clock.offset
-        return 0.0 if offset is None else 1e-9 * (self.clock.now() - stamp) + offset
+        return self.reception.staleness(stamp)
 
     def stranger(self) -> str | None:
         """Whom the robot last refused beside this console's own; None if nobody."""
@@ -283,8 +256,9 @@ class RobotLink:
         """
         where = ", ".join((*self.settings.transport.connect, *self.settings.transport.listen))
         reports = self.reports
-        if reports.latest is None or time.monotonic() - reports.at > max(0.5, self.settings.deadline):
-            raise MissionRefused(f"no robot is heard at {where}", tip=_TIP)
+        now = time.monotonic()
+        if reports.latest is None or now - reports.at > max(0.5, self.settings.deadline):
+            raise MissionRefused(self.reception.unheard(now) or f"no robot is heard at {where}", tip=_TIP)
         spoken = reports.value("contract")
         if spoken != contract.VERSION:
             raise MissionRefused(
@@ -292,40 +266,15 @@ class RobotLink:
                 tip="use the same version of Becalm at both ends",
             )
         with self._change:
-            self._perception.begin_anew()
-            self.other_clock.begin_anew()
+            self.reception.begin_anew()
             self._change.wait_for(self._settled, SETTLING_TIME)
             settled = self._settled()
-        trouble = self.trouble() or (None if settled else "what it tells comes unevenly")
+        trouble = self.trouble() or (None if settled else "it has not been heard without a gap for a second yet")
         if trouble:
             raise MissionRefused(f"the robot cannot be flown: {trouble}", tip=_TIP)
 
     def _settled(self) -> bool:
-        now = time.monotonic()
-        joints = self.streams[contract.JOINT_STATES.key]
-        steady = joints.steady(now, STEADY_SPAN, 0.5 * self.settings.deadline)
-        return steady and self._perception.complete and self.other_clock.offset is not None
-
-    def _silent(self, now: float) -> str | None:
-        """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""
-        deadline = self.settings.deadline
-        mode = now - self.reports.at
-        if self.reports.latest is not None and mode > deadline + MODE_DEADLINE:
-            return f"{name_of(contract.MODE)} late: none for {1e3 * mode:.0f} ms"
-        back = self.other_clock.age(now)
-        if back is not None and back > deadline + PING_PERIOD:
-            return f"{name_of(contract.HEARTBEAT_ECHO)} late: none for {1e3 * back:.0f} ms"
-        return None
-
-    def _jump(self) -> str | None:
-        deadline = self.settings.deadline * 1e9
-        for body, estimate in (("base", self._perception.base), ("target", self._perception.target)):
-            since = estimate.outlying_since
-            if since is not None:
-                latest = self.streams[f"{contract.PREFIX}/{body}/pose"].latest
-                if latest - since > deadline:
-                    return f"{body} pose jumped: it has been where it cannot be for {1e-6 * (latest - since):.0f} ms"
-        return None
+        return self.reception.settled(time.monotonic())
 
     def _request(self, channel: Channel, session: str) -> Answer:
         """Send a request until it is acknowledged.
@@ -334,16 +283,30 @@ class RobotLink:
             LinkLost: it is not.
 
         """
-        call = Call(self.clock.now(), session)
-        key = (_name(channel), call.stamp)
-        payload = wire.encode_call(call)
+        name, sent = topic_of(channel), set[int]()
         until = time.monotonic() + ANSWER_TIME
         while time.monotonic() < until:
-            self._send(channel, payload)
+            # It answers a joint state, as a command does: the robot judges by its own clock whether it is of now.
+            stamp = self.streams[contract.JOINT_STATES.key].latest
+            sent.add(stamp)
+            self._send(channel, wire.encode_call(Call(stamp, session)))
             with self._change:
-                if self._change.wait_for(lambda: key in self._answers, REPEAT_PERIOD):
-                    return self._answers.pop(key)
-        raise LinkLost(f"the robot did not acknowledge {key[0]} within {ANSWER_TIME:g} s", tip=_TIP)
+                self._change.wait_for(lambda: self._answer_to(name, session, sent) is not None, REPEAT_PERIOD)
+                answer = self._answer_to(name, session, sent)
+            if answer is not None:
+                return answer
+        raise LinkLost(f"the robot did not acknowledge {name} within {ANSWER_TIME:g} s", tip=_TIP)
+
+    def _answer_to(self, name: str, session: str, stamps: set[int]) -> Answer | None:
+        """The robot's answer to a request in that session of one of these stamps."""
+        answer = self._answer
+        return answer[3] if answer is not None and answer[:2] == (name, session) and answer[2] in stamps else None
+
+    def _ping(self, session: str) -> None:
+        """Send a heartbeat of that session."""
+        call = Call(self.clock.now(), session)
+        self.reception.sent(call.stamp)
+        self._send(contract.HEARTBEAT, wire.encode_call(call))
 
     def _send(self, channel: Channel, payload: bytes) -> None:
         if self._zenoh is not None and not self._ended.is_set():
@@ -359,76 +322,23 @@ class RobotLink:
             if stop is not None and pending:
                 self._send(contract.STOP, wire.encode_call(stop.call))
             if time.monotonic() - self._flown_at > PING_PERIOD:
-                self._send(contract.HEARTBEAT, wire.encode_call(Call(self.clock.now(), f"{self.console}.0")))
+                self._ping(f"{self.console}.0")
 
-    def _take_joints(self, payload: bytes) -> None:
-        sample = wire.decode_joints(payload)
-        with self._change:
-            if self._note(contract.JOINT_STATES, sample.stamp, sample.angle):
-                self._joints = sample
-                self._perception.take_joints(sample)
-                self._change.notify_all()
-
-    def _sampled(
-        self,
-        channel: Channel,
-        decode: Callable[[bytes], PlaneSample],
-        take: Callable[[PlaneSample], None] | None,
-    ) -> Callable[[bytes], None]:
-        def received(payload: bytes) -> None:
-            sample = decode(payload)
-            with self._change:
-                if self._note(channel, sample.stamp, sample.value) and take is not None:
-                    take(sample)
-                    self._change.notify_all()
-
-        return received
-
-    def _wrench_taker(self, arm: int) -> Callable[[PlaneSample], None]:
-        return lambda sample: self._perception.take_wrench(arm, sample)
-
-    def _note(self, channel: Channel, stamp: int, value: FloatArray) -> bool:
-        return self.streams[channel.key].arrive(stamp, value, time.monotonic())
-
-    def _take_echo(self, payload: bytes) -> None:
-        returned, at = self.clock.now(), time.monotonic()
-        echo: Echo = wire.decode_echo(payload)
-        if not echo.session.startswith(f"{self.console}."):
+    def _take_acknowledgement(self, report: Report) -> None:
+        """Take an answer of the robot's; called with `_change` held."""
+        session, stamp = report.values.get("session", ""), whole(report.values.get("stamp", ""))
+        if not session.startswith(f"{self.console}.") or stamp is None:
             return
-        with self._change:
-            self.other_clock.note(echo.sent, echo.received, returned, at)
-
-    def _take_mode(self, payload: bytes) -> None:
-        report = wire.decode_report(payload)
-        with self._change:
-            before = self.reports.value("last_refusal")
-            self.reports.take(report, time.monotonic())
-            refusal = self.reports.value("last_refusal")
-        if refusal and refusal != before:
-            log.warning("the robot refused %s", refusal)
-
-    def _take_acknowledgement(self, payload: bytes) -> None:
-        report = wire.decode_report(payload)
-        session, stamp = report.values.get("session", ""), int(report.values.get("stamp", "0"))
-        if not session.startswith(f"{self.console}."):
-            return
-        with self._change:
-            stop = self.stop_sent
-            if report.name == _name(contract.STOP):
-                if stop is not None and stamp == stop.call.stamp and self.stop_acknowledged_after is None:
-                    self.stop_acknowledged_after = time.monotonic() - stop.sent_at
-            else:
-                self._answers = {(report.name, stamp): Answer(report.good, report.message, report.stamp)}
-            self._change.notify_all()
+        stop = self.stop_sent
+        if report.name != topic_of(contract.STOP):
+            self._answer = (report.name, session, stamp, Answer(report.good, report.message, report.stamp))
+        elif stop is not None and stamp == stop.call.stamp and self.stop_acknowledged_after is None:
+            self.stop_acknowledged_after = time.monotonic() - stop.sent_at
 
 
 _TIP = "see that the robot runs and is connected (GET /api/v1/link), then reset"
 
 
-def _name(channel: Channel) -> str:
-    return channel.key.removeprefix(f"{contract.PREFIX}/")
-
-
-def name_of(channel: Channel) -> str:
-    """A channel's name for people."""
-    return _name(channel).replace("/", " ").replace("_", " ")
+def _expected(settings: LinkSettings) -> Expectations:
+    wrists = (settings.left_wrist, settings.right_wrist)
+    return Expectations(settings.bounds, settings.world_frame, wrists, settings.detect_freeze)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,6 +19,7 @@ import zenoh
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.link.contract import Channel, Urgency
+from server.link.refusals import Quiet
 from sim.errors import ConfigError
 
 Endpoint = Annotated[str, Field(pattern=r"^(tcp|tls|quic)/\S+:\d+$", description="tcp/HOST:PORT or tls/HOST:PORT")]
@@ -77,6 +79,7 @@ class LinkSession:
         except zenoh.ZError as error:
             where = ", ".join((*transport.listen, *transport.connect))
             raise ConfigError(f"the link cannot be opened at {where}: {error}", tip=_TIP) from None
+        self._quiet = Quiet(log)
         self._publishers: dict[str, Any] = {}
         self._subscribers: list[Any] = []
 
@@ -99,8 +102,12 @@ class LinkSession:
         def received(sample: Any) -> None:
             try:
                 take(sample.payload.to_bytes())
-            except Exception:  # zenoh would print it and go on; the log is where it is looked for
-                log.exception("a message on %s could not be taken", channel.key)
+            except Exception as error:  # zenoh would print it and go on; the log is where it is looked for
+                what = f"{type(error).__name__}: {error}"
+                self._quiet.warning(
+                    channel.key, f"a message on {channel.key} could not be taken: {what[:200]}", time.monotonic()
+                )
+                log.debug("a message on %s", channel.key, exc_info=error)
 
         self._subscribers.append(self._session.declare_subscriber(channel.key, received))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,9 @@ from pydantic import Field
 
 from server.link import contract
 from server.link.contract import Channel
-from server.link.robot_link import NEEDED, RobotLink, name_of
+from server.link.reception import JUDGED, NEEDED, name_of
+from server.link.reports import whole
+from server.link.robot_link import RobotLink
 from server.link.streams import HISTORY_STEP
 from sim.capture.snapshot import Published
 
@@ -33,6 +36,19 @@ class StreamStatus(Published):
     lost: int = Field(description="Since the service began, by the stamps")
     needed: bool = Field(description="Whether the mission holds without it")
     late: bool = Field(description="Whether its age is beyond the deadline")
+    refused: int = Field(description="Since the service began: came and was not believed")
+    last_refusal: str = Field(description="Why; empty: none yet", examples=["not finite: force.x = nan"])
+    refusal_age: float | None = Field(description="Since that [s]; null: none yet")
+
+
+class RefusedMessages(Published):
+    """What came beside the streams and was not believed: modes, heartbeats that came back, acknowledgements."""
+
+    key: str = Field(description="Key expression", examples=["becalm/robot/mode"])
+    name: str = Field(description="For people", examples=["robot mode"])
+    refused: int = Field(description="Since the service began")
+    last_refusal: str = Field(description="Why")
+    refusal_age: float = Field(description="Since that [s]")
 
 
 class Quantiles(Published):
@@ -86,8 +102,11 @@ class LinkStatus(Published):
     session: str = Field(description="The console's own; empty: none yet")
     holder: str = Field(description="Session that the robot follows; empty: none, or not known")
     held: bool = Field(description="Whether the robot follows the console's own session")
+    robot_identity: str = Field(description="Of the robot at the other end; empty: none was heard")
+    other_robots: tuple[str, ...] = Field(description="Robots heard beside it: while there are any, nothing is flown")
     robot: RobotReport | None = Field(description="Null before the robot was heard")
     streams: tuple[StreamStatus, ...]
+    refused_messages: tuple[RefusedMessages, ...] = Field(description="Of other messages of the robot's; empty: none")
     clock_offset: float | None = Field(description="Robot's clock less console's [s]; null before a round trip")
     round_trip: Quantiles | None = Field(description="Of a heartbeat to the robot and back")
     command_age: Quantiles | None = Field(
@@ -108,8 +127,11 @@ NO_LINK = LinkStatus(
     session="",
     holder="",
     held=False,
+    robot_identity="",
+    other_robots=(),
     robot=None,
     streams=(),
+    refused_messages=(),
     clock_offset=None,
     round_trip=None,
     command_age=None,
@@ -136,8 +158,11 @@ def status_of(link: RobotLink) -> LinkStatus:
         session=link.session,
         holder=holder,
         held=bool(holder) and holder == link.session and robot is not None and robot.mode == "following",
+        robot_identity=link.identity.robot,
+        other_robots=link.identity.others(now),
         robot=robot,
         streams=tuple(_stream(link, channel, now) for channel in contract.STREAMS),
+        refused_messages=tuple(_refused(link, now)),
         clock_offset=link.other_clock.offset,
         round_trip=_round_trip(link, now),
         command_age=_command_age(link),
@@ -148,7 +173,7 @@ def status_of(link: RobotLink) -> LinkStatus:
 
 
 def _stream(link: RobotLink, channel: Channel, now: float) -> StreamStatus:
-    stream = link.streams[channel.key]
+    stream, refusals = link.streams[channel.key], link.reception.refusals[channel.key]
     rate, jitter, loss = stream.measured(now)
     age = stream.age(now)
     return StreamStatus(
@@ -164,7 +189,24 @@ def _stream(link: RobotLink, channel: Channel, now: float) -> StreamStatus:
         lost=stream.lost,
         needed=channel in NEEDED,
         late=age is None or age > link.settings.deadline,
+        refused=refusals.count,
+        last_refusal=refusals.reason,
+        refusal_age=refusals.age(now),
     )
+
+
+def _refused(link: RobotLink, now: float) -> Iterator[RefusedMessages]:
+    for channel in JUDGED:
+        refusals = link.reception.refusals[channel.key]
+        age = refusals.age(now)
+        if channel not in contract.STREAMS and age is not None:
+            yield RefusedMessages(
+                key=channel.key,
+                name=name_of(channel),
+                refused=refusals.count,
+                last_refusal=refusals.reason,
+                refusal_age=age,
+            )
 
 
 def _robot(link: RobotLink, now: float) -> RobotReport | None:
@@ -179,14 +221,10 @@ def _robot(link: RobotLink, now: float) -> RobotReport | None:
         contract=values.get("contract", ""),
         session=values.get("session", ""),
         tared=values.get("tared") == "true",
-        commands=_whole(values.get("commands")),
-        refused=_whole(values.get("refused")),
+        commands=whole(values.get("commands", "")) or 0,
+        refused=whole(values.get("refused", "")) or 0,
         last_refusal=values.get("last_refusal", ""),
     )
-
-
-def _whole(text: str | None) -> int:
-    return int(text) if text is not None and text.isdigit() else 0
 
 
 def _round_trip(link: RobotLink, now: float) -> Quantiles | None:

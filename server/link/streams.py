@@ -19,6 +19,8 @@ OFFSET_WINDOW = 30.0
 """The clock's offset is that of the quickest round trip of the last seconds [s]."""
 TRIPS_KEPT = 4096
 """Round trips that are kept each for itself: of twenty seconds."""
+CLOCKS_APART = 0.005
+"""Two steady clocks run apart by less in half a minute [s]."""
 HISTORY_SPAN, HISTORY_STEP = 60.0, 0.2
 """How far back the worst of a time is told, and how finely [s]."""
 
@@ -130,6 +132,8 @@ class OtherClock:
     def __init__(self) -> None:
         self.worst = WorstOf()
         """Round trips."""
+        self._jump: tuple[float, float] | None = None
+        """By how much the other clock last jumped, and when [s]."""
         self._trips: deque[Trip] = deque(maxlen=TRIPS_KEPT)
         self._quickest: deque[Trip] = deque()
         """Those that are or may yet be the quickest of the window, the oldest and quickest first."""
@@ -140,6 +144,12 @@ class OtherClock:
         trip = Trip(at, 1e-9 * (returned - sent), 1e-9 * (received - middle))
         self._trips.append(trip)
         self.worst.note(trip.duration, at)
+        if self._quickest:
+            # Each offset is right to half of its round trip: what is beyond that is another clock than before.
+            change = trip.offset - self._quickest[0].offset
+            if abs(change) > 0.5 * (trip.duration + self._quickest[0].duration) + CLOCKS_APART:
+                self._jump = (change, at)
+                self._quickest.clear()
         while self._quickest and self._quickest[-1].duration >= trip.duration:
             self._quickest.pop()
         self._quickest.append(trip)
@@ -149,6 +159,12 @@ class OtherClock:
     def begin_anew(self) -> None:
         """Judge the offset by what comes from now on: the other end may have another clock."""
         self._quickest.clear()
+
+    def jump(self, now: float, span: float) -> str | None:
+        """By how much the other end's clock jumped within the last span [s]; None if it did not."""
+        if self._jump is None or now - self._jump[1] > span:
+            return None
+        return f"the robot's clock jumped by {1e3 * self._jump[0]:+.0f} ms"
 
     @property
     def offset(self) -> float | None:

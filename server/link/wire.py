@@ -1,24 +1,39 @@
 """The bytes of the link: ROS 2 messages in CDR to numbers of the plane and back. Pure: no clock, no network.
 
 Poses are (x, y, angle), twists (vx, vy, angular velocity), wrenches (fx, fy, torque); what a message has beside the
-plane is written as zero and not read. Stamps are whole nanoseconds of the sender's clock.
+plane is written as zero, and read to be judged (`server.link.trust`). Stamps are whole nanoseconds of the sender's
+clock. Whatever bytes come, a decoder gives a message of finite numbers and short printable texts, or a `WireError`.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from server.link.contract import JOINT_NAMES, Channel
+from server.link.contract import JOINT_NAMES, LONGEST_MESSAGE, LONGEST_NAME, ROBOT_IDENTITY, Channel
 from server.log.ros import ros, serialized, store
 from sim.compiled import FloatArray
 from sim.errors import CaptureError
 
+UNIT_TOLERANCE = 0.01
+"""How far from one a quaternion's length may be: what rounding makes is taken out, what is no rotation is refused."""
+PADDING = 4
+"""Zero bytes after a message beyond the three that the standard leaves free: alignment to eight, CDR's largest."""
+MOST_JOINTS = 64
+"""Names in a `JointState`; a robot may have others beside ours."""
+MOST_VALUES = 32
+"""Values in a report."""
+LONGEST_TEXT = 400
+"""Characters of a report's text; what is longer is cut."""
+
 _NANOSECONDS = 1_000_000_000
 _EMPTY = np.empty(0)
+_IN_PLANE = np.zeros(3)
+_IN_PLANE.setflags(write=False)
 
 
 class WireError(CaptureError):
@@ -31,6 +46,8 @@ class JointSample(NamedTuple):
     stamp: int
     angle: FloatArray
     rate: FloatArray
+    robot: str = ""
+    """Identity of the robot; the decoder gives none that is empty."""
 
 
 class JointCommand(NamedTuple):
@@ -48,6 +65,9 @@ class PlaneSample(NamedTuple):
     stamp: int
     frame: str
     value: FloatArray
+    rest: FloatArray = _IN_PLANE
+    """What the message has out of the plane: of a pose (z [m], tilt [rad], 0), of a twist (vz, wx, wy), of a wrench
+    (force z, torque x, torque y)."""
 
 
 class Call(NamedTuple):
@@ -65,12 +85,15 @@ class Echo(NamedTuple):
     sent: int
     """Console's clock [ns]."""
     session: str
+    robot: str
 
 
 class Report(NamedTuple):
     """Mode or acknowledgement."""
 
     stamp: int
+    robot: str
+    """Its identity."""
     name: str
     good: bool
     message: str
@@ -79,7 +102,7 @@ class Report(NamedTuple):
 
 def encode_joints(sample: JointSample) -> bytes:
     """As `sensor_msgs/JointState`."""
-    header = _header(sample.stamp, "")
+    header = _header(sample.stamp, sample.robot)
     return _joint_state(header, sample.angle.ravel(), sample.rate.ravel())
 
 
@@ -87,13 +110,13 @@ def decode_joints(payload: bytes) -> JointSample:
     """From `sensor_msgs/JointState`, the joints in any order.
 
     Raises:
-        WireError: not such a message, a joint missing, or a number not finite.
+        WireError: not such a message, a joint missing or named twice, a number not finite, or a robot without identity.
 
     """
     message = _message(payload, "sensor_msgs/msg/JointState")
     order = _order(message.name)
     angle, rate = _picked(message.position, order, "position"), _picked(message.velocity, order, "velocity")
-    return JointSample(_stamp(message.header), angle, rate)
+    return JointSample(_stamp(message.header), angle, rate, _identity(message.header.frame_id, "header.frame_id"))
 
 
 def encode_command(command: JointCommand) -> bytes:
@@ -105,12 +128,12 @@ def decode_command(payload: bytes) -> JointCommand:
     """From `sensor_msgs/JointState`, the joints in any order.
 
     Raises:
-        WireError: not such a message, a joint missing, or a rate not finite.
+        WireError: not such a message, a joint missing or named twice, or a rate not finite.
 
     """
     message = _message(payload, "sensor_msgs/msg/JointState")
     rate = _picked(message.velocity, _order(message.name), "velocity")
-    return JointCommand(_stamp(message.header), message.header.frame_id, rate)
+    return JointCommand(_stamp(message.header), _name(message.header.frame_id, "header.frame_id"), rate)
 
 
 def encode_wrench(sample: PlaneSample) -> bytes:
@@ -128,8 +151,8 @@ def decode_wrench(payload: bytes) -> PlaneSample:
 
     """
     message = _message(payload, "geometry_msgs/msg/WrenchStamped")
-    wrench = message.wrench
-    return _plane(message.header, wrench.force.x, wrench.force.y, wrench.torque.z)
+    force, torque = _vector_of(message.wrench.force, "force"), _vector_of(message.wrench.torque, "torque")
+    return _plane(message.header, (force[0], force[1], torque[2]), (force[2], torque[0], torque[1]))
 
 
 def encode_pose(sample: PlaneSample) -> bytes:
@@ -144,15 +167,15 @@ def decode_pose(payload: bytes) -> PlaneSample:
     """From `geometry_msgs/PoseStamped`; the angle is that about z, in (-pi, pi].
 
     Raises:
-        WireError: not such a message, a number not finite, or no rotation.
+        WireError: not such a message, a number not finite, or a quaternion that is no rotation.
 
     """
     message = _message(payload, "geometry_msgs/msg/PoseStamped")
-    turn, place = message.pose.orientation, message.pose.position
-    if turn.x == turn.y == turn.z == turn.w == 0.0:
-        raise WireError("orientation = 0: a quaternion of length zero is no rotation")
-    sine, cosine = 2 * (turn.w * turn.z + turn.x * turn.y), 1 - 2 * (turn.y**2 + turn.z**2)
-    return _plane(message.header, place.x, place.y, math.atan2(sine, cosine))
+    place = _vector_of(message.pose.position, "position")
+    x, y, z, w = _rotation(message.pose.orientation)
+    angle = math.atan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
+    tilt = 2 * math.asin(min(1.0, math.hypot(x, y)))
+    return _plane(message.header, (place[0], place[1], angle), (place[2], tilt, 0.0))
 
 
 def encode_twist(sample: PlaneSample) -> bytes:
@@ -170,8 +193,8 @@ def decode_twist(payload: bytes) -> PlaneSample:
 
     """
     message = _message(payload, "geometry_msgs/msg/TwistStamped")
-    twist = message.twist
-    return _plane(message.header, twist.linear.x, twist.linear.y, twist.angular.z)
+    linear, angular = _vector_of(message.twist.linear, "linear"), _vector_of(message.twist.angular, "angular")
+    return _plane(message.header, (linear[0], linear[1], angular[2]), (linear[2], angular[0], angular[1]))
 
 
 def encode_call(call: Call) -> bytes:
@@ -187,12 +210,12 @@ def decode_call(payload: bytes) -> Call:
 
     """
     message = _message(payload, "std_msgs/msg/Header")
-    return Call(_time(message.stamp), message.frame_id)
+    return Call(_time(message.stamp), _name(message.frame_id, "frame_id"))
 
 
 def encode_echo(echo: Echo) -> bytes:
     """As `sensor_msgs/TimeReference`."""
-    header = _header(echo.received, "")
+    header = _header(echo.received, echo.robot)
     message = ros("sensor_msgs/msg/TimeReference", header, _ros_time(echo.sent), echo.session)
     return serialized(message, "sensor_msgs/msg/TimeReference")
 
@@ -201,18 +224,19 @@ def decode_echo(payload: bytes) -> Echo:
     """From `sensor_msgs/TimeReference`.
 
     Raises:
-        WireError: not such a message.
+        WireError: not such a message, or of a robot without identity.
 
     """
     message = _message(payload, "sensor_msgs/msg/TimeReference")
-    return Echo(_stamp(message.header), _time(message.time_ref), message.source)
+    robot = _identity(message.header.frame_id, "header.frame_id")
+    return Echo(_stamp(message.header), _time(message.time_ref), _name(message.source, "source"), robot)
 
 
 def encode_report(report: Report) -> bytes:
     """As `diagnostic_msgs/DiagnosticArray` of one status."""
     values = [ros("diagnostic_msgs/msg/KeyValue", key, value) for key, value in report.values.items()]
     level = 0 if report.good else 1
-    status = ros("diagnostic_msgs/msg/DiagnosticStatus", level, report.name, report.message, "becalm", values)
+    status = ros("diagnostic_msgs/msg/DiagnosticStatus", level, report.name, report.message, report.robot, values)
     message = ros("diagnostic_msgs/msg/DiagnosticArray", _header(report.stamp, ""), [status])
     return serialized(message, "diagnostic_msgs/msg/DiagnosticArray")
 
@@ -221,15 +245,20 @@ def decode_report(payload: bytes) -> Report:
     """From `diagnostic_msgs/DiagnosticArray` of one status.
 
     Raises:
-        WireError: not such a message.
+        WireError: not such a message, or of a robot without identity.
 
     """
     message = _message(payload, "diagnostic_msgs/msg/DiagnosticArray")
     if len(message.status) != 1:
         raise WireError(f"status has {len(message.status)} entries; it must have 1")
     status = message.status[0]
-    values = {each.key: each.value for each in status.values}
-    return Report(_stamp(message.header), status.name, status.level == 0, status.message, values)
+    if len(status.values) > MOST_VALUES:
+        raise WireError(f"values has {len(status.values)} entries; at most {MOST_VALUES} are read")
+    values = {printable(each.key): printable(each.value) for each in status.values}
+    robot = _identity(status.hardware_id, "hardware_id")
+    return Report(
+        _stamp(message.header), robot, printable(status.name), status.level == 0, printable(status.message), values
+    )
 
 
 def described(channel: Channel) -> str:
@@ -241,33 +270,92 @@ def described(channel: Channel) -> str:
     return f"| {' | '.join(cells)} |"
 
 
+def printable(text: str, longest: int = LONGEST_TEXT) -> str:
+    """A text of somebody else's as it may stand in a log and on a page: printable, of one line and not long."""
+    shown = "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in text[: longest + 1])
+    return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
+
+
 def _message(payload: bytes, name: str) -> Any:
+    if len(payload) > LONGEST_MESSAGE:
+        raise WireError(f"{len(payload)} bytes: no message of the contract has more than {LONGEST_MESSAGE}")
     try:
         return store().deserialize_cdr(payload, name)
     except Exception as error:  # rosbags raises what numpy and struct raise, and asserts
-        raise WireError(f"{len(payload)} bytes are no {name}: {error}") from None
+        padded = _unpadded(payload, name)
+        if padded is not None:
+            return padded
+        raise WireError(f"{len(payload)} bytes are no {name}: {printable(str(error), 120)}") from None
+
+
+def _unpadded(payload: bytes, name: str) -> Any | None:
+    """The message without the zeros to which it was aligned; None if that is not what is wrong with it."""
+    if not payload.endswith(bytes(PADDING)):
+        return None
+    try:
+        return store().deserialize_cdr(payload[:-PADDING], name)
+    except Exception:
+        return None
+
+
+def _name(text: str, field: str) -> str:
+    """A name or an identifier, which may be empty."""
+    if len(text) > LONGEST_NAME or not text.isprintable():
+        raise WireError(f"{field} has {len(text)} characters: at most {LONGEST_NAME}, all printable, are a name")
+    return text
+
+
+def _identity(text: str, field: str) -> str:
+    if not re.fullmatch(ROBOT_IDENTITY, text):
+        shown = printable(text, 40)
+        raise WireError(f"{field} = {shown!r}: it must name the robot, as NAME.START in letters, digits, - and _")
+    return text
 
 
 def _order(names: list[str]) -> list[int]:
-    try:
-        return [names.index(name) for name in JOINT_NAMES]
-    except ValueError:
-        raise WireError(f"name = {names}: it must hold {', '.join(JOINT_NAMES)}") from None
+    """Where each of our joints stands."""
+    if len(names) > MOST_JOINTS:
+        raise WireError(f"name has {len(names)} entries; at most {MOST_JOINTS} joints are read")
+    for joint in JOINT_NAMES:
+        if names.count(joint) != 1:
+            told = printable(", ".join(names), 120)
+            raise WireError(f"name = {told or 'nothing'}: it must hold {', '.join(JOINT_NAMES)}, each once")
+    return [names.index(joint) for joint in JOINT_NAMES]
 
 
 def _picked(values: FloatArray, order: list[int], field: str) -> FloatArray:
     if len(values) <= max(order):
         raise WireError(f"{field} has {len(values)} numbers; one for each name is needed")
-    picked = np.array([values[place] for place in order], np.float64).reshape(2, 3)
-    if not np.isfinite(picked).all():
-        raise WireError(f"{field} = {values.tolist()}: every number must be finite")
-    return picked
+    picked = np.array([values[place] for place in order], np.float64)
+    bad = np.flatnonzero(~np.isfinite(picked))
+    if len(bad):
+        raise WireError(f"not finite: {field} of {JOINT_NAMES[bad[0]]} = {picked[bad[0]]}")
+    return picked.reshape(2, 3)
 
 
-def _plane(header: Any, x: float, y: float, z: float) -> PlaneSample:
-    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
-        raise WireError(f"({x}, {y}, {z}): every number must be finite")
-    return PlaneSample(_stamp(header), header.frame_id, np.array([x, y, z]))
+def _vector_of(vector: Any, field: str) -> tuple[float, float, float]:
+    """The three numbers of a `Vector3` or a `Point`, every one of them finite."""
+    numbers = (vector.x, vector.y, vector.z)
+    for axis, number in zip("xyz", numbers, strict=True):
+        if not math.isfinite(number):
+            raise WireError(f"not finite: {field}.{axis} = {number}")
+    return numbers
+
+
+def _rotation(turn: Any) -> tuple[float, float, float, float]:
+    """A quaternion (x, y, z, w) of unit length."""
+    parts = (*_vector_of(turn, "orientation"), turn.w)
+    if not math.isfinite(turn.w):
+        raise WireError(f"not finite: orientation.w = {turn.w}")
+    length = math.hypot(*parts)
+    if not abs(length - 1.0) <= UNIT_TOLERANCE:
+        raise WireError(f"orientation has length {length:.4g}: a rotation's is 1 (within {UNIT_TOLERANCE:g})")
+    x, y, z, w = (part / length for part in parts)
+    return x, y, z, w
+
+
+def _plane(header: Any, value: tuple[float, float, float], rest: tuple[float, float, float]) -> PlaneSample:
+    return PlaneSample(_stamp(header), _name(header.frame_id, "header.frame_id"), np.array(value), np.array(rest))
 
 
 def _joint_state(header: Any, position: FloatArray, velocity: FloatArray) -> bytes:
@@ -297,4 +385,9 @@ def _stamp(header: Any) -> int:
 
 
 def _time(time: Any) -> int:
-    return int(time.sec) * _NANOSECONDS + int(time.nanosec)
+    seconds, nanoseconds = int(time.sec), int(time.nanosec)
+    if seconds < 0 or nanoseconds >= _NANOSECONDS:
+        raise WireError(
+            f"stamp = {seconds} s and {nanoseconds} ns: an instant has no negative seconds, and less than 1e9 ns"
+        )
+    return seconds * _NANOSECONDS + nanoseconds

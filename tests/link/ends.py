@@ -37,7 +37,7 @@ ROBOT_DEADLINE = 2.5
 """Of the robot [s]; it has one only."""
 TRIES = 4
 """How often a test is begun anew that this machine did not keep up with."""
-STALLED = r"late: none for|late: what arrives is|jumped by \d+ ms|the robot is holding"
+STALLED = r"late: none for|late: what arrives is|refused: measured|jumped by [-+]?\d+ ms|the robot is holding"
 """What either end says of a machine that stood still for longer than the deadline."""
 CONFIG = named_configuration("testbed")
 POLL = 0.01

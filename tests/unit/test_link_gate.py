@@ -13,13 +13,16 @@ MS = 1_000_000
 START = 1_000_000 * MS
 PERIOD = 0.005
 RATE = np.full((2, 3), 0.5)
-SESSION = "console.1"
+ROBOT = "testbed.1f"
+SECOND = f"console.2@{ROBOT}"
+STRANGER = f"stranger.1@{ROBOT}"
+SESSION = f"console.1@{ROBOT}"
 
 
 @pytest.fixture
 def gate() -> Gate:
-    gate = Gate(Limits(joint_rate=2.0, deadline=0.1))
-    assert gate.open(Call(1, SESSION), START).granted
+    gate = Gate(Limits(joint_rate=2.0, deadline=0.1), ROBOT)
+    assert gate.open(Call(START - MS, SESSION), START).granted
     return gate
 
 
@@ -28,7 +31,7 @@ def _command(stamp: int, session: str = SESSION, rate: np.ndarray = RATE) -> Joi
 
 
 def test_without_a_session_nothing_is_followed():
-    gate = Gate(Limits())
+    gate = Gate(Limits(), ROBOT)
     assert "another session" in gate.command(_command(START), START).reason
     assert gate.mode is RobotMode.WAITING
     assert not gate.rates(START, PERIOD).any()
@@ -43,7 +46,7 @@ def test_its_session_is_followed(gate):
 @pytest.mark.parametrize(
     ("command", "after", "words"),
     [
-        (_command(START + 1, "stranger.1"), 1, "another session holds the robot (console.1)"),
+        (_command(START + 1, f"stranger.1@{ROBOT}"), 1, f"another session holds the robot ({SESSION})"),
         (_command(START), 101, "old"),
         (_command(START + 50 * MS), 1, "future"),
         (_command(START + 1, rate=np.array([[0, 0, 0], [0, -2.1, 0.0]])), 1, "right_joint_2 = -2.1 rad/s"),
@@ -90,22 +93,110 @@ def test_nothing_that_waited_while_the_link_was_broken_is_executed(gate):
     gate.heartbeat(Call(later, SESSION), later)
     assert "heartbeat late" in gate.command(_command(later), later).reason
     assert not gate.rates(later, PERIOD).any()
-    assert not gate.open(Call(3, SESSION), later).granted  # nor an old request for the session
-    assert gate.open(Call(4, "console.2"), later).granted
-    assert gate.command(_command(later + MS, "console.2"), later + MS).granted
+    assert not gate.open(Call(later, SESSION), later).granted  # nor one for the session that was let go
+    assert "old" in gate.open(Call(START + 1, SECOND), later).reason  # nor an old one for a new session
+    assert gate.open(Call(later, SECOND), later).granted
+    assert gate.command(_command(later + MS, SECOND), later + MS).granted
 
 
 def test_stop_is_anyones_and_ends_only_with_a_new_session(gate):
     gate.command(_command(START), START)
-    assert gate.stop(Call(9, "stranger.1")).granted
+    assert gate.stop(Call(9, "stranger.1"), START + MS).granted
     assert not gate.rates(START, PERIOD).any()
     assert "stopped" in gate.command(_command(START + MS), START + MS).reason
-    assert gate.open(Call(10, "console.2"), START + 2 * MS).granted
+    assert "before the STOP" in gate.open(Call(START + MS, SECOND), START + 2 * MS).reason
+    assert gate.open(Call(START + 2 * MS, SECOND), START + 2 * MS).granted
     assert gate.mode is RobotMode.FOLLOWING
     assert not gate.rates(START + 2 * MS, PERIOD).any()
 
 
 def test_a_stranger_takes_the_robot_only_when_its_holder_is_gone(gate):
-    assert "held by console.1" in gate.open(Call(1, "stranger.1"), START + MS).reason
+    assert f"held by {SESSION}" in gate.open(Call(START + MS, STRANGER), START + MS).reason
     gate.check(START + 200 * MS)
-    assert gate.open(Call(2, "stranger.1"), START + 200 * MS).granted
+    assert gate.open(Call(START + 200 * MS, STRANGER), START + 200 * MS).granted
+
+
+def test_a_request_for_another_robot_is_refused(gate):
+    gate.check(START + 200 * MS)
+    other = Gate(Limits(), "testbed.2a")
+    assert "this robot is testbed.2a" in other.open(Call(START, SESSION), START).reason
+    assert other.mode is RobotMode.WAITING
+    assert "another session" in other.command(_command(START), START).reason
+
+
+def test_a_console_is_not_locked_out_by_whoever_uses_its_name(gate):
+    imposter = f"console.99999@{ROBOT}"
+    assert gate.open(Call(START + MS, imposter), START + MS).granted  # without users anyone may say so
+    assert gate.open(Call(START + 2 * MS, SECOND), START + 2 * MS).granted
+    assert gate.session == SECOND
+
+
+def test_a_request_that_is_sent_again_changes_nothing(gate):
+    gate.command(_command(START), START)
+    assert gate.open(Call(START, SESSION), START + MS).granted
+    np.testing.assert_array_equal(gate.rates(START + MS, PERIOD), RATE)
+
+
+@pytest.mark.parametrize("ahead", [-200, 50, 3_600_000])
+def test_a_session_is_opened_by_what_is_of_now(gate, ahead):
+    later = START + 500 * MS
+    gate.check(later)
+    reason = gate.open(Call(later + ahead * MS, SECOND), later).reason
+    assert ("old" if ahead < 0 else "future") in reason
+
+
+@pytest.mark.parametrize(
+    "session",
+    ["", ".", "console", "console.", ".1", "console.\u00b2", "console.\u0661", "console.1", f"console.{'9' * 5000}"]
+    + [f"console.\u00b2@{ROBOT}", f"console.{'9' * 19}@{ROBOT}", f"{'c' * 65}.1@{ROBOT}", f"console.1@{ROBOT}\n"],
+)
+def test_what_is_no_session_is_refused(gate, session):
+    assert not gate.open(Call(START + MS, session), START + MS).granted
+    assert gate.session == SESSION
+    assert len(gate.last_refusal) < 200
+    assert gate.last_refusal.isprintable()
+
+
+def test_a_heartbeat_from_the_future_does_not_make_the_holders_look_old(gate):
+    gate.heartbeat(Call(7, SESSION), START)
+    gate.heartbeat(Call(7 + 3_600_000 * MS, SESSION), START + MS)
+    assert "jumped ahead" in gate.last_refusal
+    for after in range(5, 150, 5):
+        now = START + after * MS
+        gate.heartbeat(Call(7 + after * MS, SESSION), now)
+        gate.command(_command(now), now)
+        gate.check(now)
+    assert gate.mode is RobotMode.FOLLOWING
+
+
+def test_a_stop_that_cannot_be_read_stops(gate):
+    gate.command(_command(START), START)
+    gate.stop(None, START + MS)
+    assert gate.why == "STOP from unknown"
+    assert not gate.rates(START + MS, PERIOD).any()
+
+
+@pytest.mark.parametrize(
+    ("stamp", "session", "rate", "words"),
+    [
+        (START, STRANGER, 0.0, "another session"),
+        (START - 200 * MS, SESSION, 0.0, "old"),
+        (START + MS, SESSION, 0.5, "the arms move"),
+        (START + MS, SESSION, 0.0, ""),
+    ],
+)
+def test_wrists_are_tared_by_their_holder_at_rest(gate, stamp, session, rate, words):
+    gate.command(_command(START, rate=np.full((2, 3), rate)), START)
+    gate.rates(START, PERIOD)
+    reason = gate.refuse_tare(Call(stamp, session), START + MS)
+    assert words in reason
+    assert bool(reason) == bool(words)
+
+
+def test_refusals_are_counted_and_told_once_a_second(gate, caplog):
+    for number in range(300):
+        gate.command(_command(START, STRANGER), START + number * MS)
+    assert gate.refused == 300
+    assert len(caplog.records) == 1
+    gate.command(_command(START, STRANGER), START + 1001 * MS)
+    assert "(299 more" in caplog.text

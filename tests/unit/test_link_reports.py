@@ -11,7 +11,7 @@ SECOND = 1_000_000_000
 
 
 def _report(stamp: int, session: str = "console.1", mode: str = "following") -> Report:
-    return Report(stamp, "robot", True, mode, {"session": session})
+    return Report(stamp, "testbed.1", "robot", True, mode, {"session": session})
 
 
 def test_before_the_first_nothing_is_known():

@@ -15,10 +15,12 @@ STAMP = 1_764_000_000_123_456_789
 ANGLE = np.array([[0.5, -1.25, -1.5], [-0.5, 1.25, 1.5]])
 RATE = np.array([[0.01, -0.02, 0.03], [-0.04, 0.05, -0.06]])
 ROUNDING = 1e-15
+ROBOT = "testbed.1f"
+SESSION = "a1b2c3.1@testbed.1f"
 
 MESSAGES = {
-    "joint_states": (wire.encode_joints, wire.decode_joints, wire.JointSample(STAMP, ANGLE, RATE)),
-    "joint_command": (wire.encode_command, wire.decode_command, wire.JointCommand(STAMP, "a1b2c3", RATE)),
+    "joint_states": (wire.encode_joints, wire.decode_joints, wire.JointSample(STAMP, ANGLE, RATE, ROBOT)),
+    "joint_command": (wire.encode_command, wire.decode_command, wire.JointCommand(STAMP, SESSION, RATE)),
     "wrench": (
         wire.encode_wrench,
         wire.decode_wrench,
@@ -30,12 +32,12 @@ MESSAGES = {
         wire.PlaneSample(STAMP, "world", np.array([0.5, -0.25, math.pi / 2])),
     ),
     "twist": (wire.encode_twist, wire.decode_twist, wire.PlaneSample(STAMP, "world", np.array([0.5, -0.25, 1.5]))),
-    "call": (wire.encode_call, wire.decode_call, wire.Call(STAMP, "a1b2c3")),
-    "echo": (wire.encode_echo, wire.decode_echo, wire.Echo(STAMP, 17_250_000_000, "a1b2c3")),
+    "call": (wire.encode_call, wire.decode_call, wire.Call(STAMP, SESSION)),
+    "echo": (wire.encode_echo, wire.decode_echo, wire.Echo(STAMP, 17_250_000_000, SESSION, ROBOT)),
     "report": (
         wire.encode_report,
         wire.decode_report,
-        wire.Report(STAMP, "stop", False, "why not", {"session": "a1b2c3", "stamp": "17"}),
+        wire.Report(STAMP, ROBOT, "stop", False, "why not", {"session": SESSION, "stamp": "17"}),
     ),
 }
 GOLDEN = json.loads(Path(__file__).with_name("link_golden").joinpath("golden.json").read_text())
@@ -72,7 +74,7 @@ def test_joints_may_come_in_any_order():
     names = list(reversed(contract.JOINT_NAMES))
     message = wire.ros(
         "sensor_msgs/msg/JointState",
-        wire._header(STAMP, ""),
+        wire._header(STAMP, ROBOT),
         names,
         ANGLE.ravel()[::-1].copy(),
         RATE.ravel()[::-1].copy(),

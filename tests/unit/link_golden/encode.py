@@ -54,15 +54,15 @@ RATES = [0.01, -0.02, 0.03, -0.04, 0.05, -0.06]
 QUARTER_TURN = (math.sin(math.pi / 4), math.cos(math.pi / 4))
 
 GOLDEN = {
-    "joint_states": Cdr().header(STAMP, "").names().doubles(*ANGLES).doubles(*RATES).doubles().hex(),
-    "joint_command": Cdr().header(STAMP, "a1b2c3").names().doubles().doubles(*RATES).doubles().hex(),
+    "joint_states": Cdr().header(STAMP, "testbed.1f").names().doubles(*ANGLES).doubles(*RATES).doubles().hex(),
+    "joint_command": Cdr().header(STAMP, "a1b2c3.1@testbed.1f").names().doubles().doubles(*RATES).doubles().hex(),
     "wrench": Cdr().header(STAMP, "left_hand").put("d", 0.25, -0.75, 0, 0, 0, 0.125).hex(),
     "pose": Cdr().header(STAMP, "world").put("d", 0.5, -0.25, 0, 0, 0, *QUARTER_TURN).hex(),
     "twist": Cdr().header(STAMP, "world").put("d", 0.5, -0.25, 0, 0, 0, 1.5).hex(),
-    "call": Cdr().header(STAMP, "a1b2c3").hex(),
-    "echo": Cdr().header(STAMP, "").put("i", 17).put("I", 250_000_000).text("a1b2c3").hex(),
-    "report": Cdr().header(STAMP, "").put("I", 1).put("b", 1).text("stop").text("why not").text("becalm")
-    .put("I", 2).text("session").text("a1b2c3").text("stamp").text("17").hex(),
+    "call": Cdr().header(STAMP, "a1b2c3.1@testbed.1f").hex(),
+    "echo": Cdr().header(STAMP, "testbed.1f").put("i", 17).put("I", 250_000_000).text("a1b2c3.1@testbed.1f").hex(),
+    "report": Cdr().header(STAMP, "").put("I", 1).put("b", 1).text("stop").text("why not").text("testbed.1f")
+    .put("I", 2).text("session").text("a1b2c3.1@testbed.1f").text("stamp").text("17").hex(),
 }  # fmt: skip
 
 if __name__ == "__main__":

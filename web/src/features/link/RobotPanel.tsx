@@ -55,12 +55,15 @@ function Tare({ tared }: { readonly tared: boolean | null }) {
 function RobotFacts({ link }: { readonly link: LinkStatus }) {
   const { robot, stop } = link;
   const facts: readonly Fact[] = [
+    ["Robot", given(link.robot_identity, "—")],
+    ...(link.other_robots.length > 0 ? [["Others heard", link.other_robots.join(", ")] as const] : []),
     ["Held by", holderOf(link)],
     ["Robot's session", given(link.holder, "—")],
     ["This console's", given(link.session, "—")],
     ["Commands followed", String(robot?.commands ?? "—")],
     ["Refused by it", String(robot?.refused ?? "—")],
     ["Last refusal", given(robot?.last_refusal, "none")],
+    ...link.refused_messages.map((each) => [`Refused: ${each.name}`, `${each.refused}, last ${age(each.refusal_age)} ago: ${each.last_refusal}`] as const),
     ["Last STOP", stop === null ? "none" : stopWords(stop)],
     ["Contract", `robot ${given(robot?.contract, "—")}, console ${link.contract}`],
     ["Endpoints", link.endpoints.join(", ")],

@@ -5,7 +5,7 @@ import type { LinkStatus, StreamStatus } from "../../api/types";
 import { Icon } from "../../theme/Icon";
 import { fixed } from "../../units/units";
 import styles from "./LinkPage.module.css";
-import { age, milliseconds, streamWord } from "./words";
+import { age, milliseconds, sentence, streamWord } from "./words";
 
 const COLUMNS = [
   ["Rate", "Arrivals a second over the last two seconds, of those that the contract says"],
@@ -14,6 +14,7 @@ const COLUMNS = [
   ["Loss", "Part of the last two seconds that did not arrive, by the stamps"],
   ["Received", "Since the service began"],
   ["Lost", "Since the service began, by the stamps"],
+  ["Refused", "Came and was not believed, since the service began"],
 ] as const;
 
 function StreamRow({ stream }: { readonly stream: StreamStatus }) {
@@ -24,6 +25,7 @@ function StreamRow({ stream }: { readonly stream: StreamStatus }) {
         {stream.name}
         {!stream.needed && <small> only shown</small>}
         <code>{stream.key}</code>
+        {word === "refused" && <small>{detail}</small>}
       </th>
       <td className={styles.state}>
         <Tooltip label={detail}>
@@ -45,6 +47,15 @@ function StreamRow({ stream }: { readonly stream: StreamStatus }) {
       </td>
       <td>{stream.received}</td>
       <td>{stream.lost}</td>
+      <td>
+        {stream.refused === 0 ? (
+          0
+        ) : (
+          <Tooltip label={`${sentence(stream.last_refusal)} ${age(stream.refusal_age)} ago`}>
+            <span tabIndex={0}>{stream.refused}</span>
+          </Tooltip>
+        )}
+      </td>
     </tr>
   );
 }

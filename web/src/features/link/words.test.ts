@@ -6,7 +6,7 @@ const ROBOT: NonNullable<LinkStatus["robot"]> = {
   age: 0.02,
   mode: "following",
   why: "",
-  contract: "1",
+  contract: "2",
   session: "a.2",
   tared: true,
   commands: 10,
@@ -17,14 +17,17 @@ const LINK: LinkStatus = {
   plant: "zenoh",
   connected: true,
   endpoints: ["tcp/127.0.0.1:7447"],
-  contract: "1",
+  contract: "2",
   deadline: 0.1,
   contact_threshold: 0.12,
   session: "a.2",
   holder: "a.2",
   held: true,
+  robot_identity: "testbed.1f",
+  other_robots: [],
   robot: ROBOT,
   streams: [],
+  refused_messages: [],
   clock_offset: 0,
   round_trip: null,
   command_age: null,
@@ -45,6 +48,9 @@ const STREAM: StreamStatus = {
   lost: 0,
   needed: true,
   late: false,
+  refused: 0,
+  last_refusal: "",
+  refusal_age: null,
 };
 
 describe("the robot's mode", () => {
@@ -89,6 +95,15 @@ describe("a stream", () => {
     expect(streamWord({ ...STREAM, late: true }).tone).toBe("error");
     expect(streamWord({ ...STREAM, late: true, needed: false }).tone).toBe("warning");
     expect(streamWord({ ...STREAM, age: null, late: true }).word).toBe("none yet");
+  });
+
+  it("that comes and is not believed is refused, with the reason", () => {
+    const refused = { ...STREAM, refused: 300, last_refusal: "not finite: force.x = nan", refusal_age: 0.004 };
+    expect(streamWord({ ...refused, late: true })).toMatchObject({ word: "refused", tone: "error", detail: "Not finite: force.x = nan." });
+    expect(streamWord({ ...refused, late: true, age: null }).word).toBe("refused");
+    expect(streamWord({ ...refused, late: true, needed: false }).tone).toBe("warning");
+    expect(streamWord({ ...refused, late: true, refusal_age: 12 }).word).toBe("late");
+    expect(streamWord(refused).word).toBe("good");
   });
 });
 

@@ -15,6 +15,8 @@ export interface Word {
 
 /** Seconds of silence after which the last report is no longer the robot's present. */
 const SILENCE = 0.5;
+/** Seconds for which a stream that is late counts as refused. */
+const RECENT = 1;
 
 const word = (word: string, sign: Sign, tone: Tone, detail: string): Word => ({ word, sign, tone, detail });
 
@@ -53,6 +55,8 @@ export function holderOf({ holder, session, held }: LinkStatus): string {
 
 /** How a stream comes. */
 export function streamWord(stream: StreamStatus): Word {
+  const refused = stream.late && stream.refusal_age !== null && stream.refusal_age < RECENT;
+  if (refused) return word("refused", "cross", stream.needed ? "error" : "warning", sentence(stream.last_refusal));
   if (stream.age === null) return word("none yet", "bar", stream.needed ? "error" : "plain", "Nothing has come yet.");
   if (stream.late) return word("late", "error", stream.needed ? "error" : "warning", "Older than the deadline.");
   if (stream.rate < 0.9 * stream.nominal_rate) return word("slow", "warning", "warning", "Fewer come than the contract says.");

@@ -1,0 +1,43 @@
+"""Whether both hands can close on the target where it stands: what the published plan does not ask.
+
+Below `control.caging.slow_spin` the hands turn to the target at once (Sec. III-D). Its faces lie every quarter turn, so
+they may have to turn by an eighth of a turn either way; but from 0.25 rad on an arm passes a singularity on its way,
+and the hands strike a target that does not turn on with 6 to 11 N. Measured with the configuration `testbed` at spins
+of 0, 0.05 and 0.2 rad/s, every 7.5 degrees: up to 0.22 rad at most 0.5 N, beyond it 6 N or more.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sim.config import MissionConfig
+from sim.control.phases import Command
+from sim.record import Record
+
+REACH = 0.22
+"""How far the line of both hands may be turned from the base's x axis [rad]."""
+CLOSING = (Command.CAPTURE, Command.CAGE, Command.DIRECT_CAGE)
+_QUARTER_TURN = 0.5 * math.pi
+
+
+def closing_refusal(command: Command, config: MissionConfig, state: Record) -> str:
+    """Why both hands should not close on the target now; empty if they may, or will not yet.
+
+    Args:
+        command: what is asked.
+        config: of the mission.
+        state: one element of `PLANT_STATE`, as perceived.
+
+    """
+    caging = config.control.caging
+    angle, spin = float(state["target_pose"][2]), float(state["target_twist"][2])
+    if command not in CLOSING or abs(spin) > caging.slow_spin:
+        return ""
+    ahead = caging.minimum_approach_time + (caging.switching_delay if command is Command.CAPTURE else 0.0)
+    turn = math.remainder(angle + spin * ahead - 0.5 * _QUARTER_TURN, _QUARTER_TURN)
+    if abs(turn) <= REACH:
+        return ""
+    return (
+        f"the target stands {math.degrees(turn):+.0f} degrees off from where both hands can close on it, and turns at "
+        f"{spin:+.2f} rad/s only: an arm would pass a singularity and strike it"
+    )
