@@ -74,6 +74,11 @@ def _snapshot(frame: str | bytes) -> MissionSnapshot | None:
     return MissionSnapshot.model_validate_json(json.dumps(message))
 
 
+def _acknowledgement(snapshot: MissionSnapshot) -> str:
+    """That a snapshot has been dealt with: the next one is then the newest there is, however long that took."""
+    return json.dumps({"type": "ack", "tick": snapshot.tick})
+
+
 def _failure(place: _Place, error: Exception) -> CaptureError:
     """Why there is no telemetry."""
     if isinstance(error, InvalidStatus):
@@ -211,6 +216,7 @@ class Client:
                         yield snapshot
                         if snapshot.outcome is not None:
                             return
+                        telemetry.send(_acknowledgement(snapshot))
         except (OSError, WebSocketException) as error:
             raise _failure(self._place, error) from None
 
@@ -345,6 +351,7 @@ class AsyncClient:
                         yield snapshot
                         if snapshot.outcome is not None:
                             return
+                        await telemetry.send(_acknowledgement(snapshot))
         except (OSError, WebSocketException) as error:
             raise _failure(self._place, error) from None
 

@@ -19,13 +19,13 @@ def decimated(reader: RunReader, points: int, span: Span = WHOLE) -> History:
     columns = [HistoryColumn(name=column.name, unit=column.unit) for column in PLOTTED]
     last = reader.last_tick()
     if last is None:
-        return History(columns=columns, rows=[])
+        return History(run_id=reader.record.id, columns=columns, rows=[])
     start = span.since or 0.0
     end = float(last["time"][0]) if span.until is None else min(span.until, float(last["time"][0]))
     pieces = _Pieces(start, (end - start) / (points // 2))
     for ticks in reader.chunks(*span):
         pieces.take(ticks)
-    return History(columns=columns, rows=pieces.rows())
+    return History(run_id=reader.record.id, columns=columns, rows=pieces.rows())
 
 
 class _Pieces:

@@ -1,12 +1,13 @@
-"""What everyone watches: the latest snapshot, and a bounded queue for each subscriber.
+"""What everyone watches: the newest snapshot, and a bounded queue of events for each subscriber.
 
-The mission thread publishes and never waits. Each frame is encoded once for all. A subscriber that does
-not keep up loses its oldest frames; nobody else notices.
+The mission thread publishes and never waits. Each frame is encoded once for all. A subscriber that does not keep up
+is sent fewer snapshots, each the newest there is; nobody else notices, and nobody is shown what has been overtaken.
 """
 
 from __future__ import annotations
 
 import asyncio
+import json
 import threading
 from collections import deque
 from typing import NamedTuple
@@ -16,10 +17,10 @@ from server.published import MissionSnapshot
 from server.run_folder import LoggedEvent
 
 CAPACITY = 120
-"""Frames that wait for a subscriber at most: two seconds at full rate."""
+"""Events that wait for a subscriber at most, and frames for the event loop."""
 
-UNACKNOWLEDGED_LIMIT = 120
-"""Snapshots that a subscriber who acknowledges may leave unacknowledged before it is sent no more for now."""
+WINDOW = 2
+"""Snapshots that a subscriber who acknowledges may have on the way; the next one is then the newest there is."""
 
 
 class Latest(NamedTuple):
@@ -28,6 +29,11 @@ class Latest(NamedTuple):
     snapshot: MissionSnapshot
     encoded: str
 
+    @property
+    def frame(self) -> Frame:
+        """As a message to subscribers."""
+        return Frame("snapshot", snapshot_text(self.encoded), self.snapshot.tick, self.snapshot.service_time)
+
 
 class Frame(NamedTuple):
     """One message to subscribers."""
@@ -35,6 +41,8 @@ class Frame(NamedTuple):
     kind: str
     text: str
     tick: int = 0
+    made_at: float = 0.0
+    """Of a snapshot, on the service's monotonic clock [s]."""
 
 
 class Subscriber:
@@ -42,53 +50,84 @@ class Subscriber:
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
-        self._frames: deque[Frame] = deque(maxlen=CAPACITY)
+        self._events: deque[Frame] = deque()
+        self._snapshot: Frame | None = None
         self._ready = asyncio.Event()
         self._next_due = 0.0
+        self._sent_until = float("-inf")
         self._unacknowledged: deque[int] = deque()
         self._acknowledges = False
+        self._missed = 0
         self.lost = 0
-        """Frames that were dropped because it did not keep up."""
+        """Frames that it was not sent because it did not keep up: snapshots overtaken by newer ones, and events."""
 
     @property
     def waiting(self) -> int:
         """Frames that it has not taken yet."""
-        return len(self._frames)
+        return len(self._events) + (self._snapshot is not None)
 
     def offer(self, frame: Frame, now: float) -> None:
         """Queue a frame, unless it is a snapshot sooner than the subscriber's rate wants one."""
-        if frame.kind == "snapshot":
-            period = 1.0 / self.rate
-            # A quarter of a period early is still this frame's turn: publishing jitters.
-            if now < self._next_due - 0.25 * period or self._is_stuck():
-                return
-            self._next_due = max(self._next_due + period, now + 0.5 * period)
-        elif frame.kind == "reset":
-            self._unacknowledged.clear()
-        self.lost += len(self._frames) == CAPACITY
-        self._frames.append(frame)
-        self._ready.set()
+        if frame.kind != "snapshot":
+            self._queue(frame)
+            return
+        period = 1.0 / self.rate
+        # A quarter of a period early is still this frame's turn: publishing jitters.
+        if now < self._next_due - 0.25 * period:
+            return
+        self._next_due = max(self._next_due + period, now + 0.5 * period)
+        self.show(frame)
+
+    def show(self, frame: Frame) -> None:
+        """Let this snapshot be the next one that is sent, unless a newer one was."""
+        if frame.made_at > self._sent_until:
+            self.lost += self._snapshot is not None
+            self._snapshot = frame
+            self._ready.set()
 
     async def next(self) -> Frame:
-        """The oldest frame that waits; waits for one if there is none."""
-        while not self._frames:
+        """The oldest event that waits, else the newest snapshot; waits for one if there is none."""
+        while True:
+            if self._missed:
+                missed, self._missed = self._missed, 0
+                return Frame("missed", json.dumps({"type": "missed", "events": missed}))
+            if self._events:
+                return self._events.popleft()
+            if self._snapshot is not None and len(self._unacknowledged) < WINDOW:
+                return self._take_snapshot(self._snapshot)
             self._ready.clear()
             await self._ready.wait()
-        frame = self._frames.popleft()
-        if frame.kind == "reset":  # what was taken before it is never acknowledged by the ticks after it
-            self._unacknowledged.clear()
-        if frame.kind == "snapshot" and self._acknowledges:
-            self._unacknowledged.append(frame.tick)
-        return frame
 
     def acknowledge(self, tick: int) -> None:
         """The watcher has drawn the snapshot of that tick."""
         self._acknowledges = True
-        while self._unacknowledged and self._unacknowledged[0] <= tick:
-            self._unacknowledged.popleft()
+        if tick in self._unacknowledged:  # a fork goes back: ticks do not only grow
+            while self._unacknowledged.popleft() != tick:
+                pass
+        self._ready.set()
 
-    def _is_stuck(self) -> bool:
-        return len(self._unacknowledged) >= UNACKNOWLEDGED_LIMIT
+    def _queue(self, frame: Frame) -> None:
+        if frame.kind == "reset":  # what was before it belongs to another run
+            self._snapshot = None
+            self._unacknowledged.clear()
+        elif len(self._events) >= CAPACITY:
+            self._drop_an_event()
+        self._events.append(frame)
+        self._ready.set()
+
+    def _drop_an_event(self) -> None:
+        """Make room; that a run began is never dropped."""
+        oldest = next((event for event in self._events if event.kind == "event"), None)
+        if oldest is not None:
+            self._events.remove(oldest)
+            self._missed += 1
+            self.lost += 1
+
+    def _take_snapshot(self, frame: Frame) -> Frame:
+        self._snapshot, self._sent_until = None, frame.made_at
+        if self._acknowledges:
+            self._unacknowledged.append(frame.tick)
+        return frame
 
 
 class Feed:
@@ -135,9 +174,8 @@ class Feed:
 
     def publish(self, snapshot: MissionSnapshot) -> None:
         """Make this the latest snapshot."""
-        encoded = snapshot.model_dump_json()
-        self.latest = Latest(snapshot, encoded)
-        self._send(Frame("snapshot", snapshot_text(encoded), snapshot.tick))
+        self.latest = Latest(snapshot, snapshot.model_dump_json())
+        self._send(self.latest.frame)
 
     def publish_event(self, event: LoggedEvent) -> None:
         """Tell everyone what happened."""
@@ -145,7 +183,7 @@ class Feed:
 
     def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
         """A new mission begins, perhaps with a past: what was before is history no more."""
-        self.history.begin(past)
+        self.history.begin(run_id, past)
         self._send(Frame("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
 
     def _send(self, frame: Frame) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -42,6 +43,7 @@ class HistoryColumn(Published):
 class History(Published):
     """Decimated ticks of the live mission, oldest first."""
 
+    run_id: str = Field(description="Of the mission's run")
     columns: list[HistoryColumn]
     rows: list[list[float | None]] = Field(description="One row a kept tick, in the order of the columns")
 
@@ -49,38 +51,46 @@ class History(Published):
 class HistoryRing:
     """Rows are encoded when they are kept, so that a browser that joins costs no more than joining strings.
 
-    Written by the mission thread; read from any thread: the list is only appended to or replaced.
+    Written by the mission thread; read from any thread: rows are only appended, or replaced together with their run.
     """
 
     def __init__(self) -> None:
-        self._stride = FIRST_STRIDE
-        self._rows: list[tuple[int, str]] = []
+        self._content = _Content("", FIRST_STRIDE, [])
 
-    def begin(self, past: HistoryRing | None = None) -> None:
-        """Hold nothing but that past: a new mission begins."""
-        self._stride = FIRST_STRIDE if past is None else past._stride
-        self._rows = [] if past is None else list(past._rows)
+    def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
+        """Hold nothing but that past: another mission begins, with that run."""
+        stride, rows = (FIRST_STRIDE, []) if past is None else (past._content.stride, list(past._content.rows))
+        self._content = _Content(run_id, stride, rows)
 
     def keep(self, ticks: TickArray) -> None:
         """Keep every stride-th of these rows of `TICK`."""
-        kept = ticks[ticks["tick"] % self._stride == 0]
+        kept = ticks[ticks["tick"] % self._content.stride == 0]
         if not len(kept):
             return
         columns = [column_values(kept, column).tolist() for column in PLOTTED]
+        rows = self._content.rows
         for tick, row in zip(kept["tick"].tolist(), zip(*columns, strict=True), strict=True):
-            self._rows.append((tick, _encoded(row)))
-        if len(self._rows) >= CAPACITY:
+            rows.append((tick, _encoded(row)))
+        while len(self._content.rows) >= CAPACITY:
             self._thin()
 
     def encoded(self, since: int = -1) -> str:
-        """The members `columns` and `rows` of `History` as JSON, of the ticks after `since`."""
-        rows = ",".join(text for tick, text in list(self._rows) if tick > since)
-        return f'"columns":{_ENCODED_COLUMNS},"rows":[{rows}]'
+        """The members of `History` as JSON, of the ticks after `since`; for any thread."""
+        content = self._content  # one look: a run and its rows are replaced together
+        rows = ",".join(text for tick, text in list(content.rows) if tick > since)
+        return f'"run_id":{json.dumps(content.run_id)},"columns":{_ENCODED_COLUMNS},"rows":[{rows}]'
 
     def _thin(self) -> None:
-        while len(self._rows) >= CAPACITY:
-            self._stride *= 2
-            self._rows = [row for row in self._rows if row[0] % self._stride == 0]
+        run_id, stride, rows = self._content
+        self._content = _Content(run_id, 2 * stride, [row for row in rows if row[0] % (2 * stride) == 0])
+
+
+class _Content(NamedTuple):
+    """Rows by their ticks, of one run."""
+
+    run_id: str
+    stride: int
+    rows: list[tuple[int, str]]
 
 
 _ENCODED_COLUMNS = json.dumps([{"name": column.name, "unit": column.unit} for column in PLOTTED])

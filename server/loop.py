@@ -20,6 +20,7 @@ from server.feed import Feed
 from server.fork import Flight, Fork
 from server.inbox import Answer, CommandAnswer, Inbox, Request, Revision
 from server.link.robot_link import RobotLink
+from server.link.status import robot_data
 from server.link.zenoh_plant import ZenohPlant
 from server.live_mission import RESTING_PHASES, LiveMission, display_name
 from server.pace import FULL_SPEED, Pace
@@ -561,6 +562,9 @@ class MissionLoop:
         flying = self._flying
         snapshot = MissionSnapshot(
             **dict(flying.snapshot()),
+            made_at=wall_clock(),
+            service_time=time.monotonic(),
+            robot=None if self._link is None else robot_data(self._link, now),
             run_id=flying.run.id,
             configuration=flying.name,
             plant=self._plant_status(now),

@@ -22,9 +22,23 @@ class PlantStatus(Published):
     real_time_factor: float = Field(description="Simulated seconds in the last second")
 
 
+class RobotData(Published):
+    """How old what the robot told is, when the snapshot is made."""
+
+    silent_for: float | None = Field(description="Since its joints were last heard [s]; null before the first time")
+    oldest: float | None = Field(description="Age of the stream that is needed and came longest ago [s]; null likewise")
+    stream: str = Field(description="Which one that is")
+
+
 class MissionSnapshot(Snapshot):
     """The live mission at one tick, with its run, its clock, and what may be asked of it now."""
 
+    made_at: str = Field(description="Wall clock when it was made, ISO 8601, UTC")
+    service_time: float = Field(
+        description="The same on the service's monotonic clock [s], which `GET /health` and `hello` tell too: "
+        "how old a snapshot is follows from it"
+    )
+    robot: RobotData | None = Field(description="Null in simulation")
     run_id: str
     configuration: str = Field(description="Name of the configuration, with `(edited)` if it was changed")
     plant: PlantStatus

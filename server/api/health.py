@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Literal
 
 from fastapi import APIRouter
@@ -23,6 +24,7 @@ class Health(BaseModel):
                 "status": "ok",
                 "version": "0.1.0",
                 "plant": "simulation",
+                "service_time": 5123.4071,
                 "tick_age": 0.0012,
                 "link_age": None,
                 "phase": "idle",
@@ -36,6 +38,7 @@ class Health(BaseModel):
     status: LoopStatus = Field(description="preparing: the simulation is being compiled; faulted: reset it")
     version: str
     plant: Literal["simulation", "zenoh"]
+    service_time: float = Field(description="The service's monotonic clock [s], by which snapshots are stamped")
     tick_age: float | None = Field(description="Since the last tick [s]; null before the first")
     link_age: float | None = Field(description="Since the robot was last heard of [s]; null in simulation")
     phase: str | None = Field(description="Of the mission; null before there is one")
@@ -54,6 +57,7 @@ async def health(services: ServicesDep) -> Health:
         status=services.loop.status,
         version=becalm_version(),
         plant=services.settings.plant,
+        service_time=time.monotonic(),
         tick_age=services.loop.tick_age,
         link_age=services.link.age() if services.link is not None else None,
         phase=latest.snapshot.phase if latest else None,

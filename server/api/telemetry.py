@@ -6,12 +6,13 @@ import asyncio
 import contextlib
 import json
 import math
+import time
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
 from server.api.services import Services, ServicesDep
-from server.feed import Feed, Subscriber, snapshot_text
+from server.feed import Feed, Subscriber
 from server.settings import TELEMETRY_RATE_LIMITS
 from server.versions import becalm_version
 
@@ -52,10 +53,10 @@ async def _send(websocket: WebSocket, services: Services, subscriber: Subscriber
     async def send(text: str) -> None:
         await asyncio.wait_for(websocket.send_text(text), SEND_TIME)
 
-    hello = {"type": "hello", "version": becalm_version(), "rate": subscriber.rate}
-    await send(json.dumps(hello))
+    hello = {"version": becalm_version(), "rate": subscriber.rate, "service_time": time.monotonic()}
+    await send(json.dumps({"type": "hello", **hello}))
     await _send_until_ready(send, services)
-    await _send_mission_so_far(send, services.feed)
+    await _send_mission_so_far(send, services.feed, subscriber)
     while True:
         await send((await subscriber.next()).text)
 
@@ -67,10 +68,10 @@ async def _send_until_ready(send: Any, services: Services) -> None:
         await asyncio.sleep(PREPARING_PERIOD)
 
 
-async def _send_mission_so_far(send: Any, feed: Feed) -> None:
+async def _send_mission_so_far(send: Any, feed: Feed, subscriber: Subscriber) -> None:
     await send('{"type":"history",' + feed.history.encoded() + "}")
     if feed.latest is not None:
-        await send(snapshot_text(feed.latest.encoded))
+        subscriber.show(feed.latest.frame)
 
 
 async def _receive(websocket: WebSocket, subscriber: Subscriber) -> None:

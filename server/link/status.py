@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from typing import Literal
@@ -15,6 +16,7 @@ from server.link.reception import JUDGED, NEEDED, name_of
 from server.link.reports import whole
 from server.link.robot_link import RobotLink
 from server.link.streams import HISTORY_STEP
+from server.published import RobotData
 from sim.capture.snapshot import Published
 
 QUANTILES_OF = 10.0
@@ -170,6 +172,13 @@ def status_of(link: RobotLink) -> LinkStatus:
         stop=_stop(link, now),
         problem=link.trouble() if connected else "no other end of the link is connected",
     )
+
+
+def robot_data(link: RobotLink, now: float) -> RobotData:
+    """How old what a mission needs of the robot is at that monotonic time [s]; for any thread."""
+    ages = {name_of(channel): link.streams[channel.key].age(now) for channel in NEEDED}
+    oldest = max(ages, key=lambda name: math.inf if (age := ages[name]) is None else age)
+    return RobotData(silent_for=link.age(now), oldest=ages[oldest], stream=oldest)
 
 
 def _stream(link: RobotLink, channel: Channel, now: float) -> StreamStatus:

@@ -57,7 +57,7 @@ async def test_snapshot_is_what_rest_gives(served):
     async with connect(served.telemetry) as watcher, httpx.AsyncClient(timeout=PATIENCE) as http:
         sent = await _message(watcher, "snapshot")
         got = (await http.get(f"{served.api}/mission")).json()
-    for volatile in ("type", "plant", "problems"):  # a busy machine's lateness is among them
+    for volatile in ("type", "plant", "problems", "made_at", "service_time"):  # a busy machine's lateness is among them
         sent.pop(volatile)
         got.pop(volatile, None)
     assert sent == got
@@ -96,6 +96,27 @@ async def test_events_and_reset_are_sent(served):
     assert phase["kind"] == "phase"
     assert reset["run_id"] == snapshot["run_id"]
     assert snapshot["phase"] == "idle"
+
+
+async def test_who_is_slow_is_shown_the_newest_and_never_goes_back(served):
+    await _ready(served)
+    async with connect(served.telemetry) as watcher:
+        hello = await _message(watcher, "hello")
+        history = await _message(watcher, "history")
+        first = await _message(watcher, "snapshot")
+        assert history["run_id"] == first["run_id"]
+        assert hello["service_time"] <= first["service_time"] + 1.0
+        await watcher.send(json.dumps({"type": "ack", "tick": first["tick"]}))
+        goal = served.services.feed.latest.snapshot.tick + 500
+        while served.services.feed.latest.snapshot.tick < goal:  # nothing is acknowledged meanwhile
+            await asyncio.sleep(0.02)
+        stamps = [first["service_time"]]
+        while served.services.feed.latest.snapshot.service_time - stamps[-1] > 0.2 or len(stamps) < 8:
+            snapshot = await _message(watcher, "snapshot")
+            stamps.append(snapshot["service_time"])
+            await watcher.send(json.dumps({"type": "ack", "tick": snapshot["tick"]}))
+        assert stamps == sorted(set(stamps))
+        assert len(stamps) < 200  # what was overtaken was not sent
 
 
 async def test_rate_is_the_clients_choice(served):

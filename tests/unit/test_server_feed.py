@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
 import pytest
 
-from server.feed import CAPACITY, UNACKNOWLEDGED_LIMIT, Feed, Frame, Subscriber
+from server.feed import CAPACITY, WINDOW, Feed, Frame, Subscriber
 
 RATE = 60.0
 
 
-def _snapshot(tick: int) -> Frame:
-    return Frame("snapshot", str(tick), tick)
+def _snapshot(tick: int, made_at: float | None = None) -> Frame:
+    return Frame("snapshot", str(tick), tick, tick / RATE if made_at is None else made_at)
+
+
+def _event(number: int) -> Frame:
+    return Frame("event", f"event {number}")
 
 
 async def _drained(subscriber: Subscriber) -> list[str]:
@@ -25,62 +30,82 @@ async def _drained(subscriber: Subscriber) -> list[str]:
         return texts
 
 
-async def test_slow_subscriber_loses_the_oldest():
+async def test_who_is_slow_is_sent_the_newest_snapshot_only():
     subscriber = Subscriber(RATE)
-    for tick in range(CAPACITY + 10):
+    for tick in range(10):
         subscriber.offer(_snapshot(tick), tick / RATE)
-    texts = await _drained(subscriber)
-    assert len(texts) == CAPACITY
-    assert texts[0] == "10"
-    assert texts[-1] == str(CAPACITY + 9)
+    assert await _drained(subscriber) == ["9"]
+    assert subscriber.lost == 9
+
+
+async def test_a_snapshot_that_was_overtaken_is_never_sent():
+    """Who joins is shown the latest, which may be newer than what is on its way to all."""
+    subscriber = Subscriber(RATE)
+    subscriber.show(_snapshot(31, made_at=2.0))
+    assert await _drained(subscriber) == ["31"]
+    subscriber.offer(_snapshot(0, made_at=1.9), 10.0)
+    assert await _drained(subscriber) == []
+    subscriber.offer(_snapshot(5, made_at=2.1), 20.0)  # a fork goes back in ticks, not in time
+    assert await _drained(subscriber) == ["5"]
 
 
 @pytest.mark.parametrize("rate", [5.0, 20.0, 30.0, 60.0])
 async def test_rate(rate):
     subscriber = Subscriber(rate)
     sent = 0
-    for tick in range(120):
+    for tick in range(1, 121):
         subscriber.offer(_snapshot(tick), tick / RATE)
-        sent += len(subscriber._frames)
-        subscriber._frames.clear()
+        sent += len(await _drained(subscriber)) if subscriber.waiting else 0
     assert sent == pytest.approx(2 * rate, abs=2)
 
 
-async def test_events_are_sent_at_any_rate():
+async def test_events_keep_their_order_and_are_sent_at_any_rate():
     subscriber = Subscriber(1.0)
-    for tick in range(10):
-        subscriber.offer(Frame("event", str(tick)), tick / RATE)
-    assert len(await _drained(subscriber)) == 10
+    for number in range(10):
+        subscriber.offer(_event(number), number / RATE)
+    assert await _drained(subscriber) == [f"event {number}" for number in range(10)]
 
 
-async def test_one_who_stops_acknowledging_is_sent_no_snapshots_until_it_does():
+async def test_events_are_bounded_and_what_was_missed_is_told():
+    subscriber = Subscriber(RATE)
+    subscriber.offer(Frame("reset", "reset"), 0.0)
+    for number in range(CAPACITY + 10):
+        subscriber.offer(_event(number), 0.0)
+    texts = await _drained(subscriber)
+    assert json.loads(texts[0]) == {"type": "missed", "events": 11}
+    assert texts[1] == "reset"
+    assert texts[-1] == f"event {CAPACITY + 9}"
+    assert len(texts) == CAPACITY + 1
+
+
+async def test_one_who_stops_acknowledging_is_sent_the_newest_as_soon_as_it_does():
     subscriber = Subscriber(RATE)
     subscriber.acknowledge(-1)
-    for tick in range(UNACKNOWLEDGED_LIMIT + 50):
+    sent = []
+    for tick in range(50):
         subscriber.offer(_snapshot(tick), tick / RATE)
-        await _take_what_waits(subscriber)
-    assert not subscriber._frames
-    subscriber.offer(_snapshot(999), 999.0)
-    assert not subscriber._frames
-    subscriber.acknowledge(UNACKNOWLEDGED_LIMIT)
-    subscriber.offer(_snapshot(1000), 1000.0)
-    assert (await subscriber.next()).tick == 1000
+        sent += await _drained(subscriber) if tick < WINDOW + 3 else []
+    assert sent == [str(tick) for tick in range(WINDOW)]
+    subscriber.acknowledge(0)
+    assert await _drained(subscriber) == ["49"]
+    subscriber.offer(_event(1), 1.0)
+    assert await _drained(subscriber) == ["event 1"]  # no snapshot holds an event up
 
 
-async def _take_what_waits(subscriber: Subscriber) -> None:
-    while subscriber._frames:
-        await subscriber.next()
-
-
-async def test_a_reset_forgets_what_was_not_acknowledged():
+async def test_a_reset_forgets_what_was_not_acknowledged_and_what_waits_of_the_old_run():
     subscriber = Subscriber(RATE)
     subscriber.acknowledge(-1)
-    for tick in range(UNACKNOWLEDGED_LIMIT):
+    for tick in range(1, WINDOW + 3):
         subscriber.offer(_snapshot(tick), tick / RATE)
         await _take_what_waits(subscriber)
     subscriber.offer(Frame("reset", "reset"), 100.0)
-    subscriber.offer(_snapshot(0), 101.0)
+    subscriber.offer(_snapshot(0, made_at=100.0), 101.0)
     assert await _drained(subscriber) == ["reset", "0"]
+
+
+async def _take_what_waits(subscriber: Subscriber) -> None:
+    if subscriber.waiting:
+        await _drained(subscriber)
 
 
 async def test_feed_reaches_every_subscriber_from_another_thread():
@@ -94,20 +119,4 @@ async def test_feed_reaches_every_subscriber_from_another_thread():
     await asyncio.to_thread(feed.begin, "20200101T000000000-abcdef")
     async with asyncio.timeout(10):
         await watchers[1].next()
-    assert not watchers[0]._frames
-
-
-async def test_snapshots_from_before_a_reset_hold_nobody_up_after_it():
-    """What waited when the mission began anew is sent too, but is never acknowledged by the new mission's ticks."""
-    subscriber = Subscriber(RATE)
-    subscriber.offer(_snapshot(10_000), 0.0)
-    await subscriber.next()
-    subscriber.acknowledge(10_000)
-    subscriber.offer(_snapshot(10_001), 1.0)
-    subscriber.offer(Frame("reset", "reset", 0), 1.0)
-    sent = []
-    for tick in range(2 * UNACKNOWLEDGED_LIMIT):
-        subscriber.offer(_snapshot(tick), 2.0 + tick / RATE)
-        sent += await _drained(subscriber)
-        subscriber.acknowledge(tick)
-    assert sent[-1] == str(2 * UNACKNOWLEDGED_LIMIT - 1)
+    assert not watchers[0].waiting

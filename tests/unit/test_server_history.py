@@ -60,6 +60,7 @@ def test_what_is_not_finite_is_null():
 def test_clear_begins_anew():
     history = HistoryRing()
     history.keep(_ticks(0, 100_000))
-    history.begin()
+    history.begin("20200101T000000000-abcdef")
     history.keep(_ticks(0, FIRST_STRIDE + 1))
     assert len(_read(history)["rows"]) == 2
+    assert _read(history)["run_id"] == "20200101T000000000-abcdef"  # rows never go without their run

@@ -29,19 +29,36 @@ function usePunctuality(): string {
   return parts.join(" ");
 }
 
-export function LinkState() {
+interface Freshness {
+  readonly word: string;
+  readonly detail: string;
+}
+
+/** The service and the robot are told apart: one may be live while the other is silent. */
+function useFreshness(): Freshness {
   const trust = useView((view) => view.trust);
   const age = useView((view) => view.age);
+  const robotAge = useView((view) => view.robotAge);
+  const silent = useSnapshot((snapshot) => (snapshot.robot?.silent_for ?? 0) > 0.5) ?? false;
+  const stream = useSnapshot((snapshot) => snapshot.robot?.stream) ?? "";
   const lateness = useSnapshot((snapshot) => snapshot.plant.lateness) ?? 0;
   const unrecorded = useView((view) => typeof view.health?.recorder_failure === "string");
+  if (trust === "stale") return { word: WORDS.stale, detail: `${fixed(age / 1000, 1)} s old` };
+  if (trust !== "live") return { word: WORDS[trust], detail: "" };
+  if (robotAge > 0) return { word: "Service live", detail: `${silent ? "robot silent" : `${stream} silent`} for ${fixed(robotAge / 1000, 1)} s` };
+  return { word: WORDS.live, detail: unrecorded ? "not recorded" : `tick ≤ ${fixed(lateness * 1000, 1)} ms late` };
+}
+
+export function LinkState() {
+  const { word, detail } = useFreshness();
+  const trust = useView((view) => (view.trust === "live" && view.robotAge > 0 ? "stale" : view.trust));
   const words = usePunctuality();
-  const late = unrecorded ? "not recorded" : `tick ≤ ${fixed(lateness * 1000, 1)} ms late`;
   return (
     <Tooltip label={words}>
-      <div className={styles.link} data-trust={trust} role="status" aria-live="polite" aria-label={`Data: ${WORDS[trust]}`} tabIndex={0}>
+      <div className={styles.link} data-trust={trust} role="status" aria-live="polite" aria-label={`Data: ${word}`} tabIndex={0}>
         <span className={styles.dot} aria-hidden="true" />
-        <span className={styles.word}>{WORDS[trust]}</span>
-        {(trust === "live" || trust === "stale") && <span className={styles.detail}>{trust === "stale" ? `${fixed(age / 1000, 1)} s old` : late}</span>}
+        <span className={styles.word}>{word}</span>
+        {detail !== "" && <span className={styles.detail}>{detail}</span>}
       </div>
     </Tooltip>
   );

@@ -8,12 +8,12 @@ interface PanelProps {
   readonly aside?: ReactNode;
   /** Takes the room that is left, and scrolls within. */
   readonly grow?: boolean;
-  /** Shows data of the mission, which turn grey when they are old. */
-  readonly dated?: boolean;
+  /** Shows data that turn grey when they are old: of the service, or with a robot as old as what it told. */
+  readonly dated?: "service" | "robot" | undefined;
   readonly children: ReactNode;
 }
 
-export function Panel({ title, aside, grow = false, dated = false, children }: PanelProps) {
+export function Panel({ title, aside, grow = false, dated, children }: PanelProps) {
   const id = useId();
   return (
     <section className={styles.panel} aria-labelledby={id} data-grow={grow || undefined}>
@@ -23,7 +23,7 @@ export function Panel({ title, aside, grow = false, dated = false, children }: P
         </h2>
         {aside}
       </header>
-      <div className={styles.body} data-dated={dated || undefined}>
+      <div className={styles.body} data-dated={dated}>
         {children}
       </div>
     </section>

@@ -22,10 +22,11 @@ function useTellPhase(): void {
 /** Pages stay as they are while another one is shown: the scene keeps its view, a form what was typed. */
 export function Shell() {
   const trust = useView((view) => view.trust);
+  const robotSilent = useView((view) => view.robotAge > 0);
   const { page, item, other } = useRoute();
   useTellPhase();
   return (
-    <div className={styles.shell} data-trust={trust}>
+    <div className={styles.shell} data-trust={trust} data-robot={robotSilent ? "silent" : undefined}>
       <TopBar page={page} />
       <Boundary what="The mission's page">
         <MissionPage shown={page === "mission"} />

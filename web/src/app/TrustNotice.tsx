@@ -26,6 +26,20 @@ function StaleNotice() {
   );
 }
 
+/** The service is well; what it shows of the robot is not of now. */
+function RobotNotice() {
+  const age = useView((view) => view.robotAge);
+  const stream = useView((view) => view.snapshot?.robot?.stream ?? "");
+  const silent = useView((view) => (view.snapshot?.robot?.silent_for ?? 0) > 0.5);
+  return (
+    <div className={styles.notice} data-tone="error" role="alert">
+      <Icon sign="link" size={18} />
+      <strong>{silent ? `The robot has been silent for ${fixed(age / 1000, 1)} s.` : `The robot's ${stream} is ${fixed(age / 1000, 1)} s old.`}</strong>
+      <span>The service is live; what is shown of the robot is as it was last heard. STOP is still sent.</span>
+    </div>
+  );
+}
+
 function PreparingNotice({ since }: { readonly since: number }) {
   const [seconds, setSeconds] = useState(0);
   useEffect(() => {
@@ -59,8 +73,10 @@ function ConnectingNotice() {
 
 export function TrustNotice() {
   const trust = useView((view) => view.trust);
+  const robotSilent = useView((view) => view.robotAge > 0);
   const since = useView((view) => view.preparingSince);
   if (trust === "stale") return <StaleNotice />;
+  if (trust === "live" && robotSilent) return <RobotNotice />;
   if (trust === "preparing" && since !== null) return <PreparingNotice since={since} />;
   return trust === "connecting" ? <ConnectingNotice /> : null;
 }

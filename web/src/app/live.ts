@@ -16,7 +16,7 @@ function watchHealth(store: MissionStore): () => void {
     const asked = performance.now();
     const health = await readHealth().catch(() => null);
     if (ended) return;
-    store.health(health, performance.now() - asked);
+    store.health(health, asked);
     timer = setTimeout(() => void look(), store.read().trust === "live" ? HEALTH_PERIOD.calm : HEALTH_PERIOD.amiss);
   };
   void look();
@@ -30,10 +30,10 @@ function watchHealth(store: MissionStore): () => void {
 function watchRun(store: MissionStore): () => void {
   let known = "";
   return store.subscribe(() => {
-    const { snapshot, trust } = store.read();
+    const { snapshot, trust, missed } = store.read();
     const id = trust === "live" ? (snapshot?.run_id ?? "") : "";
-    if (id === known) return;
-    known = id;
+    if (`${id} ${missed}` === known) return;
+    known = `${id} ${missed}`;
     if (id === "") return;
     readEvents(id).then(
       (events) => {

@@ -28,12 +28,17 @@ function recordingSink() {
     history: (samples) => calls.push(`history ${samples.length}`),
     snapshot: (snapshot) => calls.push(`snapshot ${snapshot.tick}`),
     event: (event) => calls.push(`event ${event.message}`),
+    heard: () => undefined,
+    missed: () => calls.push("missed"),
     reset: () => calls.push("reset"),
   };
   return { links, calls, sink };
 }
 
-const emptyHistory = { columns: [], rows: [] };
+const emptyHistory = { run_id: "a", columns: [], rows: [] };
+
+/** As the service stamps them: by default as late as their mission time. */
+const snapshot = (tick: number, run_id = "a", service_time = tick / 1000) => ({ type: "snapshot", tick, time: tick / 1000, run_id, service_time });
 
 function opened() {
   const sockets: FakeSocket[] = [];
@@ -59,35 +64,65 @@ describe("live telemetry", () => {
 
   it("passes frames on in their order", () => {
     const { sockets, calls } = opened();
-    sockets[0]?.tell({ type: "hello" });
+    sockets[0]?.tell({ type: "hello", service_time: 0 });
     sockets[0]?.tell({ type: "history", ...emptyHistory });
-    sockets[0]?.tell({ type: "snapshot", tick: 3, time: 0.003, run_id: "a" });
+    sockets[0]?.tell(snapshot(3));
     sockets[0]?.tell({ type: "event", message: "touch" });
-    sockets[0]?.tell({ type: "reset", run_id: "r" });
-    expect(calls).toEqual(["history 0", "snapshot 3", "event touch", "reset"]);
+    sockets[0]?.tell({ type: "missed", events: 3 });
+    expect(calls).toEqual(["history 0", "snapshot 3", "event touch", "missed"]);
+  });
+
+  it("shows one run whole until the first snapshot of the next one", () => {
+    const { sockets, calls } = opened();
+    sockets[0]?.tell(snapshot(900));
+    sockets[0]?.tell({ type: "reset", run_id: "b" });
+    sockets[0]?.tell({ type: "event", message: "of b" });
+    sockets[0]?.tell(snapshot(901, "a", 0.95)); // of the run that has ended
+    expect(calls).toEqual(["snapshot 900"]);
+    sockets[0]?.tell(snapshot(1, "b", 1));
+    expect(calls).toEqual(["snapshot 900", "reset", "event of b", "snapshot 1"]);
+  });
+
+  it("never shows what is older than what it has shown; a fork goes back in ticks, not in time", () => {
+    const { sockets, calls } = opened();
+    sockets[0]?.tell(snapshot(931));
+    sockets[0]?.tell(snapshot(900));
+    sockets[0]?.tell(snapshot(500, "fork", 2));
+    expect(calls).toEqual(["snapshot 931", "reset", "snapshot 500"]);
   });
 
   it("forgets the old run before it takes the history of the one that a restarted service flies", () => {
     const { sockets, calls } = opened();
-    sockets[0]?.tell({ type: "snapshot", tick: 900, time: 0.9, run_id: "a" });
+    sockets[0]?.tell(snapshot(900));
     sockets[0]?.onclose?.();
     vi.advanceTimersByTime(400);
     sockets[1]?.onopen?.();
-    sockets[1]?.tell({ type: "history", columns: [], rows: [[1], [2]] });
-    sockets[1]?.tell({ type: "snapshot", tick: 3, time: 0.003, run_id: "b" });
+    sockets[1]?.tell({ type: "history", ...emptyHistory, run_id: "b", rows: [[1], [2]] });
+    sockets[1]?.tell(snapshot(3, "b"));
     expect(calls).toEqual(["snapshot 900", "reset", "history 2", "snapshot 3"]);
   });
 
   it("asks for the past of a fork, which begins in the middle", async () => {
     const { sockets, calls, readHistory } = opened();
-    sockets[0]?.tell({ type: "snapshot", tick: 900, time: 0.9, run_id: "a" });
+    readHistory.mockResolvedValue({ ...emptyHistory, run_id: "fork", rows: [[1]] });
+    sockets[0]?.tell(snapshot(900));
     vi.advanceTimersByTime(1000);
     sockets[0]?.tell({ type: "reset", run_id: "fork" });
-    sockets[0]?.tell({ type: "snapshot", tick: 500, time: 0.5, run_id: "fork" });
+    sockets[0]?.tell(snapshot(500, "fork", 2));
     await vi.waitFor(() => {
       expect(calls).toEqual(["snapshot 900", "reset", "snapshot 500", "history 1"]);
     });
     expect(readHistory).toHaveBeenCalledWith(-1);
+  });
+
+});
+
+describe("a connection", () => {
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "setInterval", "clearInterval", "performance"] });
+  });
+  afterEach(() => {
+    vi.useRealTimers();
   });
 
   it("connects again after a loss, and after silence", () => {
@@ -113,8 +148,8 @@ describe("live telemetry", () => {
   it("asks the history for what lies in a gap", async () => {
     const { sockets, calls, readHistory } = opened();
     vi.advanceTimersByTime(1000);
-    sockets[0]?.tell({ type: "snapshot", tick: 10, time: 0.01, run_id: "a" });
-    sockets[0]?.tell({ type: "snapshot", tick: 2500, time: 2.5, run_id: "a" });
+    sockets[0]?.tell(snapshot(10));
+    sockets[0]?.tell(snapshot(2500));
     expect(readHistory).toHaveBeenCalledExactlyOnceWith(10);
     await vi.waitFor(() => {
       expect(calls).toContain("history 1");
@@ -124,21 +159,19 @@ describe("live telemetry", () => {
   it("does not take an old mission's history for the new one's", async () => {
     const { sockets, calls } = opened();
     vi.advanceTimersByTime(1000);
-    sockets[0]?.tell({ type: "snapshot", tick: 10, time: 0.01, run_id: "a" });
-    sockets[0]?.tell({ type: "snapshot", tick: 2500, time: 2.5, run_id: "a" });
+    sockets[0]?.tell(snapshot(10));
+    sockets[0]?.tell(snapshot(2500));
     sockets[0]?.tell({ type: "reset", run_id: "next" });
+    sockets[0]?.tell(snapshot(1, "next", 3));
     await Promise.resolve();
     await Promise.resolve();
-    expect(calls.at(-1)).toBe("reset");
+    expect(calls.at(-1)).toBe("snapshot 1");
   });
 
-  it("acknowledges what it has read", () => {
+  it("acknowledges each snapshot, so that the next one sent is the newest there is", () => {
     const { sockets } = opened();
-    sockets[0]?.tell({ type: "snapshot", tick: 7, time: 0.007, run_id: "a" });
-    sockets[0]?.tell({ type: "snapshot", tick: 8, time: 0.008, run_id: "a" });
-    vi.advanceTimersByTime(300);
-    sockets[0]?.tell({ type: "snapshot", tick: 9, time: 0.009, run_id: "a" });
-    expect(sockets[0]?.sent).toEqual([7, 9].map((tick) => JSON.stringify({ type: "ack", tick })));
+    for (const tick of [7, 8, 8]) sockets[0]?.tell(snapshot(tick));
+    expect(sockets[0]?.sent).toEqual([7, 8, 8].map((tick) => JSON.stringify({ type: "ack", tick })));
   });
 });
 

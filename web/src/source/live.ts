@@ -10,19 +10,26 @@ const CHECK_PERIOD = 250;
 /** An open socket on which nothing came between so many looks is dead. Looks are counted and not time, so that a
  * browser that was itself held up does not take its own pause for the service's. */
 const SILENT_CHECKS = 12;
-/** Milliseconds between two acknowledgements, by which the service knows that this page is not stuck. */
-const ACKNOWLEDGE_PERIOD = 250;
 /** Mission time between two snapshots beyond which the history is asked for what lay between. */
 const GAP = 0.1;
 /** Milliseconds between two such questions. */
 const BACKFILL_PERIOD = 500;
 
 type Frame =
-  | { type: "hello" | "preparing" }
-  | ({ type: "history" } & Table)
+  | { type: "hello"; service_time: number }
+  | { type: "preparing" }
+  | { type: "missed" }
+  | ({ type: "history"; run_id: string } & Table)
   | ({ type: "snapshot" } & MissionSnapshot)
   | ({ type: "event" } & MissionEvent)
   | { type: "reset"; run_id: string };
+
+/** What is known of a run before its first snapshot: until then the page shows the one before it, whole. */
+interface Coming {
+  readonly run: string;
+  readonly events: MissionEvent[];
+  history: readonly Sample[] | null;
+}
 
 /** The part of a WebSocket that is needed here. */
 export interface Socket {
@@ -55,12 +62,13 @@ class Connection {
   private attempt = 0;
   /** The run whose mission is told. */
   private run = "";
-  private joining: readonly Sample[] | null = null;
+  private coming: Coming | null = null;
   private ended = false;
   private retry: ReturnType<typeof setTimeout> | undefined;
   private watchdog: ReturnType<typeof setInterval> | undefined;
   private silentChecks = 0;
-  private acknowledgedAt = -Infinity;
+  /** Of the newest snapshot, on the service's clock. */
+  private shownUntil = -Infinity;
   private lastTime = Number.NaN;
   private gapSince: number | null = null;
   private lastTick = -1;
@@ -93,6 +101,8 @@ class Connection {
     socket.onopen = () => {
       this.attempt = 0;
       this.lastTime = Number.NaN;
+      this.shownUntil = -Infinity; // another service may have another clock
+      this.coming = null;
       this.sink.link({ state: "open" });
     };
     socket.onmessage = (message) => {
@@ -136,45 +146,50 @@ class Connection {
         this.takeSnapshot(frame);
         break;
       case "event":
-        this.sink.event(frame);
+        if (this.coming === null) this.sink.event(frame);
+        else this.coming.events.push(frame);
+        break;
+      case "missed":
+        this.sink.missed();
         break;
       case "history":
-        this.joining = samplesOfTable(frame);
+        if (frame.run_id === this.run) this.sink.history(samplesOfTable(frame));
+        else this.coming = { run: frame.run_id, events: [], history: samplesOfTable(frame) };
         break;
       case "reset":
-        this.begin(frame.run_id);
-        this.lastTime = 0; // a fork begins later: what lies before it is asked for
+        this.coming = { run: frame.run_id, events: [], history: null };
         break;
       case "hello":
+        this.sink.heard(frame.service_time);
+        break;
       case "preparing":
         break;
     }
   }
 
-  /** The history on joining does not say of which run it is; the first snapshot after it does. */
+  /** Nothing older than what was shown is shown any more, also not of a run that another one has followed. */
   private takeSnapshot(snapshot: MissionSnapshot): void {
+    this.socket?.send(JSON.stringify({ type: "ack", tick: snapshot.tick }));
+    if (snapshot.service_time <= this.shownUntil) return;
+    if (this.coming !== null && snapshot.run_id === this.run && this.coming.run !== this.run) return;
+    this.shownUntil = snapshot.service_time;
     if (snapshot.run_id !== this.run) this.begin(snapshot.run_id);
-    if (this.joining) this.sink.history(this.joining);
-    this.joining = null;
     this.sink.snapshot(snapshot);
-    this.acknowledge(snapshot.tick);
     this.noticeGap(snapshot);
   }
 
-  private acknowledge(tick: number): void {
-    const now = performance.now();
-    if (now - this.acknowledgedAt < ACKNOWLEDGE_PERIOD) return;
-    this.acknowledgedAt = now;
-    this.socket?.send(JSON.stringify({ type: "ack", tick }));
-  }
-
+  /** Shows another run, with all that came of it before its first snapshot. */
   private begin(run: string): void {
-    if (run === this.run) return;
     if (this.run !== "") this.sink.reset();
+    const coming = this.coming?.run === run ? this.coming : null;
     this.run = run;
-    this.lastTime = Number.NaN;
+    this.coming = null;
+    // Without a history what lies before is asked for: a fork begins in the middle.
+    this.lastTime = coming?.history ? Number.NaN : 0;
     this.lastTick = -1;
     this.gapSince = null;
+    if (coming?.history) this.sink.history(coming.history);
+    for (const event of coming?.events ?? []) this.sink.event(event);
   }
 
   /** Dropped frames, a sleeping tab or a simulation much faster than real time leave holes that the history fills. */
@@ -190,7 +205,7 @@ class Connection {
     this.gapSince = null;
     this.options.readHistory(since).then(
       (history) => {
-        if (run === this.run) this.sink.history(samplesOfTable(history));
+        if (history.run_id === this.run) this.sink.history(samplesOfTable(history));
       },
       () => {
         if (run === this.run) this.gapSince ??= since;

@@ -14,7 +14,11 @@ export interface Sink {
   /** A whole history: what is known of the mission up to now. */
   history(samples: readonly Sample[]): void;
   snapshot(snapshot: MissionSnapshot): void;
+  /** The service has stamped something by its own clock, in seconds, that came just now. */
+  heard(serviceTime: number): void;
   event(event: MissionEvent): void;
+  /** Events were not sent, for this page was too slow; the library has them. */
+  missed(): void;
   /** Another mission began; nothing known so far belongs to it. */
   reset(): void;
 }

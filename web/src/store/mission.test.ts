@@ -8,7 +8,7 @@ const arm = { ...hand, joint_rate: still, commanded_joint_rate: still, manipulab
 const body = { pose: [0, 0, 0], twist: [0, 0, 0] };
 
 function snapshot(tick: number, phase = "idle"): MissionSnapshot {
-  const mission = { tick, time: tick / 1000, phase, activity: "none", spin: 1, outcome: null };
+  const mission = { tick, time: tick / 1000, service_time: tick / 1000, robot: null, phase, activity: "none", spin: 1, outcome: null };
   return { ...mission, left: arm, right: arm, base: body, target: body } as unknown as MissionSnapshot;
 }
 
@@ -26,6 +26,19 @@ function storeAt(clock: { now: number }): MissionStore {
   store.link({ state: "open" });
   return store;
 }
+
+const health = (status: "ok" | "preparing") => ({
+  service_time: 0.005,
+  status,
+  version: "0",
+  plant: "simulation" as const,
+  tick_age: null,
+  link_age: null,
+  phase: "idle",
+  recorder_lag: 0,
+  recorder_failure: null,
+  access_failure: null,
+});
 
 describe("trust in what is shown", () => {
   it("goes stale half a second after the last snapshot, and tells the age", () => {
@@ -55,6 +68,28 @@ describe("trust in what is shown", () => {
     expect(store.read().trust).toBe("stale");
   });
 
+  it("goes by when the service made what is shown, not by when it came", () => {
+    const clock = { now: 10 };
+    const store = storeAt(clock);
+    store.health(health("ok"), 0);
+    for (clock.now = 3000; clock.now <= 3400; clock.now += 100) {
+      store.snapshot(snapshot(clock.now - 2600)); // each is taken at once, and has been on its way for 2.6 s
+      store.look();
+    }
+    expect(store.read().trust).toBe("stale");
+    expect(store.read().age).toBeGreaterThanOrEqual(2500);
+  });
+
+  it("dates what comes from the robot by the robot", () => {
+    const clock = { now: 0 };
+    const store = storeAt(clock);
+    store.snapshot({ ...snapshot(0), robot: { silent_for: 0.01, oldest: 0.02, stream: "target pose" } });
+    expect(store.read().robotAge).toBe(0);
+    clock.now = 100;
+    store.snapshot({ ...snapshot(100), robot: { silent_for: 3.2, oldest: 3.25, stream: "target pose" } });
+    expect(store.read()).toMatchObject({ trust: "live", robotAge: 3200 });
+  });
+
   it("does not trust a lost connection, however fresh its last word", () => {
     const clock = { now: 0 };
     const store = storeAt(clock);
@@ -65,7 +100,7 @@ describe("trust in what is shown", () => {
 
   it("tells preparing from silence", () => {
     const store = storeAt({ now: 0 });
-    store.health({ status: "preparing", version: "0", plant: "simulation", tick_age: null, link_age: null, phase: "idle", recorder_lag: 0, recorder_failure: null, access_failure: null }, 4);
+    store.health(health("preparing"), 0);
     expect(store.read().trust).toBe("preparing");
     store.snapshot(snapshot(0));
     expect(store.read().trust).toBe("live");

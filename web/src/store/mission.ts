@@ -1,10 +1,11 @@
 /** What the console knows of the mission: one immutable view for the panels, one series for the plots. */
 import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
+import { ServiceClock } from "../source/service-clock";
 import type { Link, Sink } from "../source/source";
 import { sampleOfSnapshot, type Sample } from "./quantities";
 import { Series } from "./series";
 
-/** Silence after which what is shown counts as old, in milliseconds. */
+/** Age at which what is shown counts as old, in milliseconds: since the service made it, not since it came. */
 export const STALE_AFTER = 500;
 /** The panels follow at this pace; plots read the series at theirs. Milliseconds. */
 const PUBLISH_PERIOD = 60;
@@ -16,7 +17,7 @@ const SILENT_LOOKS = 3;
  * How much of what is on the screen may be trusted.
  *
  * `connecting`: nothing has come yet; `preparing`: the service is there but its controller is being compiled;
- * `live`; `stale`: the last snapshot is older than `STALE_AFTER`, or the connection is lost.
+ * `live`; `stale`: the newest snapshot is older than `STALE_AFTER`, or the connection is lost.
  */
 export type Trust = "connecting" | "preparing" | "live" | "stale";
 
@@ -26,8 +27,12 @@ export interface MissionView {
   readonly trust: Trust;
   /** How often the connection was made. */
   readonly connections: number;
-  /** Milliseconds since the last snapshot came; steps of a tenth of a second while stale, else 0. */
+  /** Milliseconds since the service made what is shown; steps of a tenth of a second while stale, else 0. */
   readonly age: number;
+  /** Milliseconds since the robot told what is shown of it; likewise, and 0 in simulation. */
+  readonly robotAge: number;
+  /** How often the service said that it had sent this page fewer events than there were. */
+  readonly missed: number;
   /** Milliseconds to the next attempt to connect, rounded up to seconds; 0 if none is planned. */
   readonly retryIn: number;
   readonly events: readonly MissionEvent[];
@@ -44,6 +49,8 @@ const NOTHING: MissionView = {
   trust: "connecting",
   connections: 0,
   age: 0,
+  robotAge: 0,
+  missed: 0,
   retryIn: 0,
   events: [],
   health: null,
@@ -59,7 +66,7 @@ export class MissionStore implements Sink {
   touches: readonly Touch[] = [];
   private view = NOTHING;
   private pending: Partial<MissionView> = {};
-  private snapshotAt = -Infinity;
+  private readonly clock = new ServiceClock();
   private publishedAt = -Infinity;
   private silentLooks = 0;
   private readonly listeners = new Set<Listener>();
@@ -76,12 +83,21 @@ export class MissionStore implements Sink {
   readonly read = (): MissionView => this.view;
 
   snapshot(snapshot: MissionSnapshot): void {
-    this.snapshotAt = this.now();
-    this.silentLooks = 0;
+    const now = this.now();
+    this.clock.arrived(snapshot.service_time, now);
+    if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentLooks = 0;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
     this.change({ snapshot }, changed || this.view.trust !== "live");
+  }
+
+  heard(serviceTime: number): void {
+    this.clock.arrived(serviceTime, this.now());
+  }
+
+  missed(): void {
+    this.change({ missed: this.view.missed + 1 }, true);
   }
 
   history(samples: readonly Sample[]): void {
@@ -112,11 +128,14 @@ export class MissionStore implements Sink {
 
   link(link: Link): void {
     const connections = this.view.connections + (link.state === "open" ? 1 : 0);
+    if (link.state === "open") this.clock.begin();
     this.change({ link, connections }, true);
   }
 
-  /** @param answerTime how long the service took to answer, milliseconds. */
-  health(health: Health | null, answerTime: number): void {
+  /** @param asked when the service was asked, on the clock of `performance.now()`; it has answered just now. */
+  health(health: Health | null, asked: number): void {
+    const answerTime = this.now() - asked;
+    if (health !== null) this.clock.roundTrip(asked, this.now(), health.service_time);
     const since = this.view.preparingSince;
     const preparingSince = health?.status === "preparing" ? (since ?? this.now()) : null;
     this.change({ health, preparingSince, answerTime: health === null ? null : answerTime }, true);
@@ -148,11 +167,13 @@ export class MissionStore implements Sink {
   }
 
   private judged(view: MissionView): MissionView {
-    const silence = this.now() - this.snapshotAt;
-    const trust = this.trustIn(view, silence);
-    const age = trust === "stale" ? Math.floor(silence / 100) * 100 : 0;
+    const since = view.snapshot === null ? Number.POSITIVE_INFINITY : this.clock.age(view.snapshot.service_time, this.now());
+    const trust = this.trustIn(view, since);
+    const age = trust === "stale" ? tenths(since) : 0;
+    const robotSince = trust === "live" ? since + 1000 * (view.snapshot?.robot?.oldest ?? 0) : 0;
+    const robotAge = robotSince > STALE_AFTER && view.snapshot?.robot ? tenths(robotSince) : 0;
     const wait = view.link.state === "lost" ? Math.max(0, view.link.retryAt - this.now()) : 0;
-    return { ...view, trust, age, retryIn: Math.ceil(wait / 1000) * 1000 };
+    return { ...view, trust, age, robotAge, retryIn: Math.ceil(wait / 1000) * 1000 };
   }
 
   private trustIn(view: MissionView, silence: number): Trust {
@@ -162,6 +183,8 @@ export class MissionStore implements Sink {
     return view.snapshot === null ? "connecting" : "stale";
   }
 }
+
+const tenths = (milliseconds: number): number => Math.floor(milliseconds / 100) * 100;
 
 const nameOf = (event: MissionEvent): string => `${event.tick} ${event.kind} ${event.message}`;
 

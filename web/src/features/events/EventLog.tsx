@@ -45,7 +45,7 @@ export function EventLog({ recorded = false }: { readonly recorded?: boolean }) 
     </button>
   );
   return (
-    <Panel title="Events" grow dated={!recorded} aside={latest}>
+    <Panel title="Events" grow dated={recorded ? undefined : "service"} aside={latest}>
       <div
         ref={log}
         className={styles.log}

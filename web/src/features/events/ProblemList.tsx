@@ -9,7 +9,7 @@ export function ProblemList() {
   const problems = useSnapshot((snapshot) => snapshot.problems) ?? [];
   if (problems.length === 0) return null;
   return (
-    <Panel title={problems.length === 1 ? "1 problem" : `${problems.length} problems`} dated>
+    <Panel title={problems.length === 1 ? "1 problem" : `${problems.length} problems`} dated="service">
       <ul className={styles.list} aria-live="polite">
         {problems.map((problem) => (
           <li key={problem.title} className={styles.problem} data-severity={problem.severity}>

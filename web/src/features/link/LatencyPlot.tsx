@@ -53,7 +53,7 @@ export function LatencyPlot({ link, shown }: { readonly link: LinkStatus; readon
 
   return (
     <div className={styles.latency}>
-      <Panel title="Latency" grow dated aside={<span className={styles.unit}>ms, over the seconds until now</span>}>
+      <Panel title="Latency" grow dated="service" aside={<span className={styles.unit}>ms, over the seconds until now</span>}>
         <Legend link={link} />
         <div
           ref={place}

@@ -86,7 +86,7 @@ const stopWords = (stop: NonNullable<LinkStatus["stop"]>): string =>
 export function RobotPanel({ link }: { readonly link: LinkStatus }) {
   const mode = modeOf(link);
   return (
-    <Panel title="Robot" dated>
+    <Panel title="Robot" dated="service">
       <div className={styles.mode} data-tone={mode.tone} role="status" aria-label={`Robot: ${mode.word}`}>
         <Icon sign={mode.sign} size={26} />
         <strong>{mode.word}</strong>

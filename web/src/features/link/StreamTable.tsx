@@ -62,7 +62,7 @@ function StreamRow({ stream }: { readonly stream: StreamStatus }) {
 
 export function StreamTable({ link }: { readonly link: LinkStatus }) {
   return (
-    <Panel title="Streams from the robot" dated>
+    <Panel title="Streams from the robot" dated="service">
       <div className={styles.scroll}>
         <table className={styles.streams}>
           <thead>

@@ -20,7 +20,7 @@ export function TimingPanel({ link }: { readonly link: LinkStatus }) {
   const offset = offsetWords(link.clock_offset);
   const { round_trip: trip, command_age: ages } = link;
   return (
-    <Panel title="Time" dated>
+    <Panel title="Time" dated="service">
       <dl className={styles.figures}>
         <Figure label="Round trip" value={`${milliseconds(trip?.p99 ?? null)} ms`} remark={`99 %, median ${milliseconds(trip?.p50 ?? null)} ms`} />
         <Figure label="Command age" value={`${milliseconds(ages?.p99 ?? null)} ms`} remark={`99 %, median ${milliseconds(ages?.p50 ?? null)} ms`} />

@@ -118,7 +118,7 @@ export function PlotPanel({ player = null }: { readonly player?: Player | null }
   );
   return (
     <div className={styles.place}>
-      <Panel title="Plots" grow dated={!recorded} aside={aside}>
+      <Panel title="Plots" grow dated={recorded ? undefined : "robot"} aside={aside}>
         <div className={styles.plots}>
           {plots.map((definition, place) => (
             <Plot key={definition.id} definition={definition} timed={place >= lowest} events={events} register={register} />

@@ -58,7 +58,7 @@ export function RunPanel() {
   const run = useSnapshot((snapshot) => snapshot.run_id);
   const recorded = useSnapshot((snapshot) => snapshot.tick > 0) ?? false;
   return (
-    <Panel title={outcome ? "How it ended" : "This run"} dated>
+    <Panel title={outcome ? "How it ended" : "This run"} dated="robot">
       {outcome && <Ending outcome={outcome} />}
       <TouchTable touches={contacts} />
       {run !== null && recorded && (

@@ -53,7 +53,7 @@ function DetailSwitch({ detail, choose }: DetailSwitchProps) {
 
 export function ScenePanel() {
   const begun = useView((view) => view.snapshot !== null);
-  const old = useView((view) => view.trust === "stale" || view.trust === "preparing");
+  const old = useView((view) => view.trust === "stale" || view.trust === "preparing" || view.robotAge > 0);
   // The view does not find its way back to a service that was away; with each new connection it is loaded anew.
   const connection = useView((view) => view.connections);
   const preparing = useView((view) => view.trust === "preparing");
