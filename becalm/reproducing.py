@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import multiprocessing
 import sys
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
+import pyarrow as pa
 
 from becalm.report.document import ShownExample, ablation_figure, figures, html
 from becalm.report.style import Picture
@@ -28,6 +28,7 @@ from sim.study.flight import Flight
 from sim.study.reproduction import ABLATIONS, ablation_study, fly_row, fly_whole, impedance_of, tables_study
 from sim.study.run import Row
 from sim.study.table import StudyTable, fingerprint
+from sim.tabular import csv_header, csv_rows
 
 
 class Folder(NamedTuple):
@@ -157,10 +158,9 @@ def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     if not rows:
         path.unlink(missing_ok=True)
         return
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    batch = pa.RecordBatch.from_pylist(list(rows))
+    with path.open("wb") as file:
+        file.writelines([csv_header(batch.schema), *csv_rows(batch)])
 
 
 def _say(line: str) -> None:

@@ -17,6 +17,7 @@ from server.scripted import fly
 from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.errors import ConfigError, PlantError
+from sim.files import replacing
 
 PROGRESS_STEP = 5.0
 """Mission time between two lines of progress where the terminal cannot rewrite one [s]."""
@@ -82,9 +83,7 @@ def _progress() -> Callable[[float], None]:
 
 def _write_log(store: RunStore, record: RunRecord, log: LogFile) -> None:
     """Write beside the file first, so that there is never half a log under its name."""
-    draft = log.path.with_name(log.path.name + ".part")
-    with draft.open("wb") as file:
+    with replacing(log.path) as draft, draft.open("xb") as file:
         for piece in exported(store.read(record.id), log.log_format):
             file.write(piece)
-    draft.replace(log.path)
     click.echo(f"Wrote {log.path}", err=True)

@@ -5,19 +5,17 @@ One row a tick; columns are named `group.quantity.axis` and every number keeps a
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.csv
-import pyarrow.parquet
 
 from server.log.writer import LogWriter
 from server.run_folder import LoggedEvent, RunReader, TickArray
 from sim.capture.tick import COLUMNS, TICK, column_values
+from sim.tabular import Sink, csv_header, csv_rows, parquet
 
 LogFormat = Literal["csv", "parquet", "mcap"]
 MEDIA_TYPES: dict[LogFormat, str] = {
@@ -59,7 +57,7 @@ def _mcap(reader: RunReader) -> Iterator[bytes]:
 
 def _mcap_of(reader: RunReader, span: Span) -> Iterator[bytes]:
     """A log of a part, written anew."""
-    sink, record = _Sink(), reader.record
+    sink, record = Sink(), reader.record
     writer = LogWriter(sink, record.started, record.config)
     writer.describe(record, record.config)
     for ticks in reader.chunks(*span):
@@ -96,45 +94,11 @@ def _csv(reader: RunReader, span: Span) -> Iterator[bytes]:
     schema = table_schema(reader)
     lines = [f"# Becalm run {reader.record.id}, one row a tick; units:"]
     lines += [f"# {column.name} [{column.unit}]" for column in COLUMNS]
-    lines.append(",".join(column.name for column in COLUMNS))
-    yield ("\n".join(lines) + "\n").encode()
-    options = pa.csv.WriteOptions(include_header=False)
+    yield ("\n".join(lines) + "\n").encode() + csv_header(schema)
     for ticks in reader.chunks(*span):
-        sink = io.BytesIO()
-        pa.csv.write_csv(_batch(ticks, schema), sink, options)
-        yield sink.getvalue()
+        yield from csv_rows(_batch(ticks, schema))
 
 
 def _parquet(reader: RunReader, span: Span) -> Iterator[bytes]:
-    sink = _Sink()
     schema = table_schema(reader)
-    with pa.parquet.ParquetWriter(sink, schema, compression="zstd") as writer:
-        for ticks in reader.chunks(*span):
-            writer.write_batch(_batch(ticks, schema))
-            yield sink.taken()
-    yield sink.taken()
-
-
-class _Sink(io.RawIOBase):
-    """A file that only remembers what was written to it since it was last emptied."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._pieces: list[bytes] = []
-        self._position = 0
-
-    def writable(self) -> bool:
-        return True
-
-    def tell(self) -> int:
-        return self._position
-
-    def write(self, piece: Any) -> int:
-        content = bytes(piece)
-        self._pieces.append(content)
-        self._position += len(content)
-        return len(content)
-
-    def taken(self) -> bytes:
-        pieces, self._pieces = self._pieces, []
-        return b"".join(pieces)
+    return parquet(schema, (_batch(ticks, schema) for ticks in reader.chunks(*span)))

@@ -5,19 +5,18 @@ Numbers are written so that reading them gives the same double; a file is never 
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from enum import StrEnum
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet
 
-from sim.study.run import Column, Row
+from sim.files import replacing
+from sim.study.run import Column
 from sim.study.table import StudyRows
+from sim.tabular import csv_header, csv_rows, parquet
 
 _BATCH = 10_000  # rows in memory at a time
 _ARROW_TYPES = {float: pa.float64(), int: pa.int64(), bool: pa.bool_(), str: pa.string()}
@@ -37,42 +36,33 @@ def export(table: StudyRows, path: Path, table_format: TableFormat) -> None:
     Args:
         table: the study's, whole or not.
         path: of the file.
-        table_format: CSV has a header line, an empty field where there is no value, `true` and `false`; JSON is a
-            list of objects; Parquet carries each column's unit and description, and the study's definition.
+        table_format: CSV has a header line, and values as `sim.tabular` writes them; JSON is a list of objects;
+            Parquet carries each column's unit and description, and the study's definition.
 
     """
-    draft = path.with_name(path.name + ".part")
-    write = {TableFormat.CSV: _write_csv, TableFormat.PARQUET: _write_parquet, TableFormat.JSON: _write_json}
-    write[table_format](table, draft)
-    draft.replace(path)
+    write = {TableFormat.CSV: _csv, TableFormat.PARQUET: _parquet, TableFormat.JSON: _json}
+    with replacing(path) as draft, draft.open("xb") as file:
+        for piece in write[table_format](table):
+            file.write(piece)
 
 
-def _write_csv(table: StudyRows, path: Path) -> None:
-    names = [column.name for column in table.columns]
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(map(_with_words, table.rows()))
-
-
-def _with_words(row: Row) -> dict[str, Any]:
-    """Truth values as JSON writes them."""
-    return {name: str(value).lower() if isinstance(value, bool) else value for name, value in row.items()}
-
-
-def _write_json(table: StudyRows, path: Path) -> None:
-    with path.open("w", encoding="utf-8") as file:
-        file.write("[")
-        for place, row in enumerate(table.rows()):
-            file.write(("," if place else "") + "\n" + json.dumps(row))
-        file.write("\n]\n")
-
-
-def _write_parquet(table: StudyRows, path: Path) -> None:
+def _csv(table: StudyRows) -> Iterator[bytes]:
     schema = _schema(table)
-    with pyarrow.parquet.ParquetWriter(path, schema, compression="zstd") as writer:
-        for rows in _batches(table.rows()):
-            writer.write_batch(pa.RecordBatch.from_pylist(rows, schema=schema))
+    yield csv_header(schema)
+    for batch in _batches(table, schema):
+        yield from csv_rows(batch)
+
+
+def _json(table: StudyRows) -> Iterator[bytes]:
+    yield b"["
+    for place, row in enumerate(table.rows()):
+        yield (("," if place else "") + "\n" + json.dumps(row)).encode()
+    yield b"\n]\n"
+
+
+def _parquet(table: StudyRows) -> Iterator[bytes]:
+    schema = _schema(table)
+    return parquet(schema, _batches(table, schema))
 
 
 def _schema(table: StudyRows) -> pa.Schema:
@@ -86,7 +76,7 @@ def _field(column: Column) -> pa.Field:
     )
 
 
-def _batches(rows: Iterable[dict[str, Any]]) -> Iterator[Sequence[dict[str, Any]]]:
-    remaining = iter(rows)
-    while batch := list(islice(remaining, _BATCH)):
-        yield batch
+def _batches(table: StudyRows, schema: pa.Schema) -> Iterator[pa.RecordBatch]:
+    remaining = table.rows()
+    while rows := list(islice(remaining, _BATCH)):
+        yield pa.RecordBatch.from_pylist(rows, schema=schema)

@@ -62,7 +62,7 @@ def test_log_file(tmp_path):
     table = pyarrow.parquet.read_table(path)
     assert table.column("mission.time")[-1].as_py() == pytest.approx(document["duration"], abs=0.01)
     assert np.abs(table.column("right.hand_wrench.x").to_numpy()).max() > 0
-    assert list(tmp_path.glob("*.part")) == []
+    assert list(tmp_path.glob(".*.draft")) == []
 
 
 def test_config_file(tmp_path):
