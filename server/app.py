@@ -37,6 +37,7 @@ from server.api import (
     telemetry,
 )
 from server.api.bodies import JsonBodies
+from server.api.methods import HeadAsGet
 from server.api.origin import SameOrigin
 from server.api.prefix import ForwardedPrefix
 from server.api.services import Services
@@ -131,6 +132,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.services = services
     app.state.playbacks = playbacks
     problem_json.install(app)
+    app.add_middleware(HeadAsGet)
     app.add_middleware(JsonBodies)
     app.add_middleware(Guard, access=access)
     app.add_middleware(SameOrigin, hosts=settings.own_hosts(), audit=access.audit)
@@ -184,7 +186,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         if services.link is not None:
             services.link.start()
         services.loop.start()
-        app.state.scene_port = projector.start()
+        app.state.scene_doorway = projector.start()
         services.store.recover()
         services.scripted.resume()
         services.study_queue.start()

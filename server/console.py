@@ -16,6 +16,8 @@ from starlette.websockets import WebSocketClose
 
 from server.access.headers import content_policy, inline_scripts
 
+READING = ("GET", "HEAD")
+
 STATIC = Path(__file__).parent / "static"
 """Where the web build puts it."""
 
@@ -29,6 +31,17 @@ class ConsoleFiles(StaticFiles):
             await WebSocketClose()(scope, receive, send)
         else:
             await super().__call__(scope, receive, send)
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """The file; of another method than GET and HEAD, whether there is one.
+
+        Raises:
+            HTTPException: 404, there is none; 405, it can be read only.
+
+        """
+        if scope["method"] not in READING and not self.lookup_path(path)[0]:
+            raise HTTPException(404)
+        return await super().get_response(path, scope)
 
     def file_response(
         self, full_path: os.PathLike[str] | str, stat_result: os.stat_result, scope: Scope, status_code: int = 200
@@ -47,8 +60,10 @@ class ConsoleFiles(StaticFiles):
 def serve_console(app: FastAPI, static: Path = STATIC) -> None:
     """Add the API's documentation and, last of all routes, the console."""
     app.add_api_route("/docs", _docs, include_in_schema=False)
+    app.router.redirect_slashes = False
     if (static / "index.html").exists():
-        app.mount("/", ConsoleFiles(directory=static, html=True))
+        # Not a route at "/", which would answer for every address that is ours but takes another method.
+        app.router.default = ConsoleFiles(directory=static, html=True)
     else:
         app.add_api_route("/", _not_built, include_in_schema=False)
 

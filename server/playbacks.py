@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import secrets
 import threading
+from pathlib import Path
 
 from server.control import Control
 from server.problems import ServiceBusy
@@ -29,8 +30,8 @@ class Screening:
         self._record = reader.record
         self._playback = Playback(reader.history(), reader.chunks)
         self.scene = Scene(reader.record.config)
-        self.port = self.scene.start()
-        """Of the scene, on loopback."""
+        self.doorway = self.scene.start()
+        """The unix socket that the scene is served on."""
 
     def show(self, time: float) -> MissionSnapshot:
         """Draw the run at that mission time [s]; what was published then, but for what only a live mission has.
@@ -86,10 +87,10 @@ class Playbacks:
         self._open[key] = screening
         return key, screening
 
-    def port(self, key: str) -> int | None:
-        """The loopback port of a screening's scene; None if there is none."""
+    def doorway(self, key: str) -> Path | None:
+        """The unix socket of a screening's scene; None if there is none."""
         screening = self._open.get(key)
-        return None if screening is None else screening.port
+        return None if screening is None else screening.doorway
 
     def close(self, key: str) -> None:
         """End a screening."""

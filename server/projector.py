@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from pathlib import Path
 
 from server.feed import Feed
 from server.loop import MissionLoop
@@ -25,11 +26,11 @@ class Projector:
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._project, name="becalm-scene", daemon=True)
 
-    def start(self) -> int:
-        """Start the scene and its thread; the loopback port that the scene is served on."""
-        port = self._scene.start()
+    def start(self) -> Path:
+        """Start the scene and its thread; the unix socket that the scene is served on."""
+        doorway = self._scene.start()
         self._thread.start()
-        return port
+        return doorway
 
     def shutdown(self, timeout: float = 2.0) -> None:
         """End the thread and the scene."""

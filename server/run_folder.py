@@ -22,7 +22,7 @@ from typing import Annotated, Any, BinaryIO, Literal
 
 import numpy as np
 from mcap.records import ChunkIndex
-from pydantic import Field, StringConstraints, field_validator
+from pydantic import AllowInfNan, Field, Strict, StringConstraints, field_validator
 
 from server.files import read_document, read_lines, replace_file, shown
 from server.log.scan import Scanned, chunk_data, payloads, scan
@@ -129,7 +129,9 @@ class Note(Published):
     """What somebody has to say about a run, or about one moment of it."""
 
     text: str = Field(min_length=1, max_length=4000)
-    time: float | None = Field(None, ge=0, description="The moment's mission time [s]; null of the whole run")
+    time: Annotated[float, Strict(), AllowInfNan(False)] | None = Field(
+        None, ge=0, description="The moment's mission time [s]; null of the whole run"
+    )
     who: str = Field("operator", max_length=100)
     at: str = Field(default_factory=wall_clock, description="Wall clock, ISO 8601, UTC")
 

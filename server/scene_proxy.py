@@ -2,10 +2,10 @@
 
 `/scene/` shows the live mission, `/scene/playback/KEY/` a recorded run that somebody watches (`server.playbacks`).
 
-viser knows no login and takes any origin, so it listens on loopback only and everything comes through
+viser knows no login and takes any origin, so it listens on no port (`server.scene.doorway`). Everything comes through
 here, behind the same checks as the rest of the service (`SameOrigin`), and no word of a browser's but what
-`server.scene_words` lets pass. The page at `/scene/` opens its
-websocket at `/scene`, without the slash: both are routed.
+`server.scene_words` lets pass. The page at `/scene/` opens its websocket at `/scene`, without the slash: both are
+routed.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import contextlib
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
@@ -22,7 +23,7 @@ import httpx
 from fastapi import APIRouter, HTTPException, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import RedirectResponse
 from starlette.requests import HTTPConnection
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection, unix_connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
@@ -33,7 +34,7 @@ from server.scene_words import heard
 router = APIRouter(include_in_schema=False)
 
 ANSWER_TIMEOUT = 5.0
-"""How long viser may take to answer on loopback [s]."""
+"""How long viser may take to answer [s]."""
 CAMERA_PERIOD = 1 / 30
 """Between two messages of one browser that are passed on [s]; of those between, the last counts."""
 AT_ONCE = 48
@@ -110,20 +111,21 @@ async def playback_without_slash(key: str) -> RedirectResponse:
 @router.get("/scene/playback/{key}/{path:path}")
 async def playback_page(request: Request, key: str, path: str) -> Response:
     """The page of a recorded run's scene."""
-    return await _page(_playback_port(request, key), path)
+    return await _page(_playback_doorway(request, key), path)
 
 
 @router.get("/scene/{path:path}")
 async def scene_page(request: Request, path: str) -> Response:
     """The page of the live mission's scene."""
-    return await _page(_live_port(request), path)
+    return await _page(_live_doorway(request), path)
 
 
-async def _page(port: int, path: str) -> Response:
+async def _page(doorway: Path, path: str) -> Response:
     """The page of viser, dressed for the console, or another of its files."""
-    url = httpx.URL(scheme="http", host="127.0.0.1", port=port, path=f"/{path}")
+    url = httpx.URL(scheme="http", host="viser", path=f"/{path}")
+    transport = httpx.AsyncHTTPTransport(uds=str(doorway))
     try:
-        async with httpx.AsyncClient(trust_env=False, timeout=ANSWER_TIMEOUT) as client:
+        async with httpx.AsyncClient(transport=transport, trust_env=False, timeout=ANSWER_TIMEOUT) as client:
             answer = await client.get(url)
     except httpx.HTTPError as error:
         raise HTTPException(503, f"the 3D scene does not answer: {error}") from None
@@ -146,17 +148,17 @@ def dressed(page: bytes) -> bytes:
 @router.websocket("/scene/")
 async def scene_socket(browser: WebSocket) -> None:
     """The websocket of the live mission's scene."""
-    await _pump(browser, _live_port)
+    await _pump(browser, _live_doorway)
 
 
 @router.websocket("/scene/playback/{key}")
 @router.websocket("/scene/playback/{key}/")
 async def playback_socket(browser: WebSocket, key: str) -> None:
     """The websocket of a recorded run's scene."""
-    await _pump(browser, partial(_playback_port, key=key))
+    await _pump(browser, partial(_playback_doorway, key=key))
 
 
-async def _pump(browser: WebSocket, port: Callable[[HTTPConnection], int]) -> None:
+async def _pump(browser: WebSocket, doorway: Callable[[HTTPConnection], Path]) -> None:
     """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
     through = traffic(browser)
     if through.open >= AT_ONCE:
@@ -164,22 +166,22 @@ async def _pump(browser: WebSocket, port: Callable[[HTTPConnection], int]) -> No
         return
     through.open += 1
     try:
-        await _pump_between(browser, port, through)
+        await _pump_between(browser, doorway, through)
     finally:
         through.open -= 1
 
 
-async def _pump_between(browser: WebSocket, port: Callable[[HTTPConnection], int], through: Traffic) -> None:
+async def _pump_between(browser: WebSocket, doorway: Callable[[HTTPConnection], Path], through: Traffic) -> None:
     offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
     try:
-        viser = await connect(
-            f"ws://127.0.0.1:{port(browser)}/",
+        viser = await unix_connect(
+            str(doorway(browser)),
+            "ws://viser/",
             subprotocols=offered or None,
             compression=None,
             max_size=None,
             ping_interval=None,
             open_timeout=ANSWER_TIMEOUT,
-            proxy=None,
         )
     except (OSError, TimeoutError, WebSocketException, HTTPException):
         await browser.close(TRY_AGAIN_LATER, "the 3D scene does not answer")
@@ -201,21 +203,21 @@ def traffic(connection: HTTPConnection) -> Traffic:
     return found
 
 
-def _live_port(connection: HTTPConnection) -> int:
-    """The loopback port of the viser server, kept by the application once the scene has started."""
-    port: int | None = getattr(connection.app.state, "scene_port", None)
-    if port is None:
+def _live_doorway(connection: HTTPConnection) -> Path:
+    """The socket of the viser server, kept by the application once the scene has started."""
+    doorway: Path | None = getattr(connection.app.state, "scene_doorway", None)
+    if doorway is None:
         raise HTTPException(503, "the 3D scene has not started yet")
-    return port
+    return doorway
 
 
-def _playback_port(connection: HTTPConnection, key: str) -> int:
-    """The loopback port of a recorded run's scene."""
+def _playback_doorway(connection: HTTPConnection, key: str) -> Path:
+    """The socket of a recorded run's scene."""
     playbacks: Playbacks | None = getattr(connection.app.state, "playbacks", None)
-    port = None if playbacks is None else playbacks.port(key)
-    if port is None:
+    doorway = None if playbacks is None else playbacks.doorway(key)
+    if doorway is None:
         raise HTTPException(404, "no recorded run is watched under that key")
-    return port
+    return doorway
 
 
 async def _listen(browser: WebSocket, camera: _Newest, through: Traffic) -> None:

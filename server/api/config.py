@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.api.mission import answered
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
+from server.api.values import Changes
 from server.inbox import Request, Revision, arguments_of
 from server.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
@@ -94,7 +95,7 @@ async def change_config(
     services: ServicesDep,
     asker: AskerDep,
     changes: Annotated[
-        dict[str, Any],
+        Changes,
         Body(description="Nested, only what changes", examples=[{"control": {"impedance": {"damping": 3.0}}}]),
     ],
     becalm_arming: Annotated[

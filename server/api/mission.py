@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
+from server.api.values import Changes, Integer, Number, ShortText
 from server.arming import ARMED_TIME, ArmedCommand
 from server.fork import Flight, Fork, forked
 from server.history import History
@@ -50,22 +51,23 @@ class CommandRequest(BaseModel):
     command: Literal[
         "capture", "detumble", "cage", "direct_cage", "hold", "release", "reset", "pause", "run", "step", "fork"
     ]
-    speed: float | None = Field(
+    speed: Number | None = Field(
         None,
         ge=0,
         le=100,
-        allow_inf_nan=False,
         description="With `run`: multiple of real time, 0.1 to 100; 0 as fast as it goes",
     )
-    ticks: int | None = Field(None, ge=1, le=100_000, description="With `step`: ticks to fly; 1 if left out")
-    configuration: str | None = Field(
+    ticks: Integer | None = Field(None, ge=1, le=100_000, description="With `step`: ticks to fly; 1 if left out")
+    configuration: ShortText | None = Field(
         None, description="With `reset`: a named configuration; the present one if left out"
     )
-    changes: dict[str, Any] | None = Field(
+    changes: Changes | None = Field(
         None, description="With `reset`: parameters that differ from that configuration, nested"
     )
-    run: str | None = Field(None, description="With `fork`: a run of the library; the present mission if left out")
-    tick: int | None = Field(None, ge=1, description="With `fork`: the first tick that is flown anew")
+    run: ShortText | None = Field(
+        None, description="With `fork`: a run of the library; the present mission if left out"
+    )
+    tick: Integer | None = Field(None, ge=1, description="With `fork`: the first tick that is flown anew")
     arming: str | None = Field(
         None, max_length=100, description="Token of `POST /mission/arming`; a robot is moved by no command without one"
     )

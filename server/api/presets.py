@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Response
 from fastapi import Path as InPath
@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.problem_json import responses
 from server.api.services import AskerDep, ServicesDep
+from server.api.values import Changes, ShortText
 from server.presets import NAME, Preset
 from server.run_folder import wall_clock
 from sim.config import MissionConfig
@@ -26,8 +27,10 @@ class PresetBody(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    configuration: str = Field(description="The named configuration that it changes", examples=["published_figures"])
-    changes: dict[str, Any] = Field(description="Nested, SI", examples=[{"control": {"impedance": {"damping": 3.0}}}])
+    configuration: ShortText = Field(
+        description="The named configuration that it changes", examples=["published_figures"]
+    )
+    changes: Changes = Field(description="Nested, SI", examples=[{"control": {"impedance": {"damping": 3.0}}}])
 
 
 class KeptPreset(BaseModel):

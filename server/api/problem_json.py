@@ -18,6 +18,7 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
+from server.api.methods import allowed_methods
 from server.problems import (
     ConfigOutdated,
     ConfirmationNeeded,
@@ -256,11 +257,13 @@ def _jsonable(value: Any) -> Any:
     return shortened(reprlib.repr(value), LONGEST_VALUE)
 
 
-async def _http_error(_: Request, error: Exception) -> Response:
+async def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     status = error.status_code
     if status == 304:
         return Response(status_code=304, headers=error.headers)
+    if status == 405:
+        return _other_method(request)
     title = _TITLES.get(status, HTTPStatus(status).phrase)
     document = ProblemDocument(title=title, status=status, detail=str(error.detail), tip=_TIPS.get(status, ""))
     return problem_answer(document, dict(error.headers or {}))
@@ -282,6 +285,17 @@ async def _disk_failed(request: Request, error: Exception) -> JSONResponse:
         else "see that the data folder is there, and that it may be written; what was there is there again when it is",
     )
     return problem_answer(document, {"Retry-After": "5"} if status == 503 else None)
+
+
+def _other_method(request: Request) -> Response:
+    """What an address does take, where another method was asked for; to OPTIONS that is the answer."""
+    allowed = allowed_methods(request.app.router.routes, request.scope) or ("GET", "HEAD", "OPTIONS")
+    headers = {"Allow": ", ".join(allowed)}
+    if request.method == "OPTIONS":
+        return Response(status_code=204, headers=headers)
+    detail = f"{shortened(request.method, 20)} is not what {shortened(request.url.path)} takes"
+    tip = f"it takes {', '.join(allowed)}; {_TIPS[405]}"
+    return problem_answer(ProblemDocument(title=_TITLES[405], status=405, detail=detail, tip=tip), headers)
 
 
 async def _unexpected(_: Request, error: Exception) -> JSONResponse:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from datetime import datetime
 from typing import Annotated, Any, TypeVar, cast, get_args
 
 import pydantic
@@ -14,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
+from server.api.values import Changes, Flag, Instant, Integer, ShortText
 from server.decimated import decimated
 from server.export import MEDIA_TYPES, LogFormat, Span, exported
 from server.history import History
@@ -42,6 +42,7 @@ Tagged = TypeVar("Tagged", bound=BaseModel)
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 
+MissionTime = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 RunId = Annotated[str, Path(description="Identifier of a run", examples=["20261122T113000123-4f9a2c"])]
 
 
@@ -58,10 +59,10 @@ class RunRequest(BaseModel):
         },
     )
 
-    configuration: str = Field(DEFAULT_CONFIGURATION, description="A named configuration")
-    changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to it")
-    direct: bool = Field(False, description="Direct caging, without detumbling")
-    seed: int | None = Field(None, ge=0, le=2**63 - 1, description="In place of `simulation.seed`")
+    configuration: ShortText = Field(DEFAULT_CONFIGURATION, description="A named configuration")
+    changes: Changes = Field(default_factory=dict, description="Nested changes to it")
+    direct: Flag = Field(False, description="Direct caging, without detumbling")
+    seed: Integer | None = Field(None, ge=0, le=2**63 - 1, description="In place of `simulation.seed`")
 
 
 OneRun = Annotated[RunRequest, pydantic.Tag("one")]
@@ -79,22 +80,24 @@ class RunFilter(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     limit: int = Field(50, ge=1, le=200, description="Runs on a page")
-    cursor: str | None = Field(None, description="`next_cursor` of the page before")
+    cursor: ShortText | None = Field(None, description="`next_cursor` of the page before")
     kind: RunKind | None = None
     status: RunStatus | None = None
     outcome: OutcomeClass | None = Field(None, description="The verdict: that at locked arms")
     at_first_closure: OutcomeClass | None = Field(None, description="The paper's verdict: that at first closure")
     tag: str | None = Field(None, max_length=40, description="A tag that the run bears, in any case")
-    configuration: str | None = Field(None, description="Name of a configuration; edited ones of it are listed, too")
-    parent: str | None = None
+    configuration: ShortText | None = Field(
+        None, description="Name of a configuration; edited ones of it are listed, too"
+    )
+    parent: ShortText | None = None
     starred: bool | None = None
     text: str | None = Field(
         None,
         max_length=400,
         description="Words, in any case, that identifier, name, tags, notes, configuration and changed parameters hold",
     )
-    started_from: datetime | None = Field(None, description="ISO 8601; UTC without a time zone")
-    started_to: datetime | None = Field(None, description="ISO 8601; UTC without a time zone")
+    started_from: Instant | None = Field(None, description="ISO 8601; UTC without a time zone")
+    started_to: Instant | None = Field(None, description="ISO 8601; UTC without a time zone")
     sort: str = Field(
         "-started",
         pattern=f"^-?({'|'.join(get_args(SortKey))})$",
@@ -107,7 +110,7 @@ class RemarksChange(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    starred: bool | None = None
+    starred: Flag | None = None
     name: RunName | None = Field(None, description="In place of its name; empty takes it away")
     tags: tuple[Tag, ...] | None = Field(None, max_length=20, description="In place of all tags")
     notes: tuple[Note, ...] | None = Field(None, max_length=500, description="In place of all notes")
@@ -279,8 +282,12 @@ def log(
     services: ServicesDep,
     run_id: RunId,
     log_format: Annotated[LogFormat, Query(alias="format", description="csv, parquet or mcap")] = "csv",
-    since: Annotated[float | None, Query(alias="from", ge=0, description="First mission time [s]")] = None,
-    until: Annotated[float | None, Query(alias="to", ge=0, description="Last mission time [s]")] = None,
+    since: Annotated[
+        float | None, Query(alias="from", ge=0, allow_inf_nan=False, description="First mission time [s]")
+    ] = None,
+    until: Annotated[
+        float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")
+    ] = None,
 ) -> StreamingResponse:
     """Every recorded tick, one row each, streamed; of a run in progress what is on disk by now."""
     reader = services.store.read(run_id)
@@ -297,8 +304,12 @@ def log(
 def ticks(
     services: ServicesDep,
     run_id: RunId,
-    since: Annotated[float | None, Query(alias="from", ge=0, description="First mission time [s]")] = None,
-    until: Annotated[float | None, Query(alias="to", ge=0, description="Last mission time [s]")] = None,
+    since: Annotated[
+        float | None, Query(alias="from", ge=0, allow_inf_nan=False, description="First mission time [s]")
+    ] = None,
+    until: Annotated[
+        float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")
+    ] = None,
     points: Annotated[int, Query(ge=2, le=20_000, description="Rows at most")] = 2000,
 ) -> History:
     """A run for plots, in the form of the live mission's history, with the extremes of every piece of time."""

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from server.api.problem_json import responses
 from server.api.services import ServicesDep
+from server.api.values import Flag
 from server.scene import CAMERAS, LAYERS, CameraName, Scene
 
 router = APIRouter(prefix="/scene", tags=["mission"])
@@ -28,7 +29,7 @@ class SceneChange(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"camera": "top"}]})
 
     camera: CameraName | None = None
-    layers: dict[str, bool] = Field(default_factory=dict, examples=[{"trails": False, "frames": True}])
+    layers: dict[str, Flag] = Field(default_factory=dict, examples=[{"trails": False, "frames": True}])
 
     @field_validator("layers")
     @classmethod

@@ -6,7 +6,7 @@ import shutil
 import tempfile
 from itertools import islice
 from pathlib import Path as FilePath
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import FileResponse
@@ -16,6 +16,7 @@ from starlette.background import BackgroundTask
 from server.api.problem_json import responses
 from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
+from server.api.values import Changes, Flag, Integer, ShortText
 from server.live_mission import display_name
 from server.problems import StudyNotFound
 from server.runs import new_record
@@ -78,10 +79,12 @@ class StudyRequest(BaseModel):
         },
     )
 
-    study: str | dict[str, JsonValue] = Field(description="A named study, or a definition as a study file holds it")
-    changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to what all cells share")
-    seed: int | None = Field(None, ge=0, le=2**63 - 1, description="In place of the study's own")
-    confirm: bool = Field(False, description="A study of very many cells is meant")
+    study: ShortText | dict[str, JsonValue] = Field(
+        description="A named study, or a definition as a study file holds it"
+    )
+    changes: Changes = Field(default_factory=dict, description="Nested changes to what all cells share")
+    seed: Integer | None = Field(None, ge=0, le=2**63 - 1, description="In place of the study's own")
+    confirm: Flag = Field(False, description="A study of very many cells is meant")
 
 
 class StudySummary(BaseModel):
@@ -210,7 +213,7 @@ def estimate_study(services: ServicesDep, body: StudyRequest) -> StudyEstimate:
 def studies(
     services: ServicesDep,
     limit: Annotated[int, Query(ge=1, le=200, description="Studies on a page")] = 50,
-    cursor: Annotated[str | None, Query(description="`next_cursor` of the page before")] = None,
+    cursor: Annotated[ShortText | None, Query(description="`next_cursor` of the page before")] = None,
 ) -> StudyPage:
     """The studies, newest first."""
     found = list(islice(services.studies.newest(before=cursor), limit + 1))

@@ -1,9 +1,10 @@
-"""The scene: one viser server on loopback that draws the latest snapshot for every browser alike."""
+"""The scene: one viser server that draws the latest snapshot for every browser alike."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from server.scene.bodies import RobotDrawing, TargetDrawing
 from server.scene.cage import CageDrawing
 from server.scene.cameras import CAMERAS, CameraName, View
 from server.scene.canvas import HIDDEN_AT_FIRST, LAYERS, Canvas
+from server.scene.doorway import DoorwayServer
 from server.scene.dynamics import EllipsesDrawing, ForcesDrawing, MotionDrawing
 from server.scene.solids import FloatArray
 from server.scene.stage import set_stage
@@ -22,7 +24,6 @@ from server.scene.traces import PlanDrawing, TrailsDrawing
 from sim.capture.snapshot import Snapshot
 from sim.config import ArmConfig, BaseConfig, MissionConfig, TargetConfig
 
-LOOPBACK = "127.0.0.1"
 FOLLOWING = ("follow", "hand")
 """Presets that go along with what they look at."""
 FOLLOW_EVERY = 2
@@ -41,16 +42,6 @@ class Drawing(Protocol):
     def show(self, snapshot: Snapshot) -> None:
         """Draws what the snapshot says, sending only what changed."""
         ...
-
-
-class LoopbackServer(viser.ViserServer):
-    """viser without its tunnel: nothing that a browser sends may publish the scene outside."""
-
-    def request_share_url(self, verbose: bool = True) -> None:
-        """Refuses: access goes through the service's own port, which checks identity and origin."""
-
-    def disconnect_share_url(self) -> None:
-        """There is never a tunnel to close."""
 
 
 class Scene:
@@ -73,18 +64,18 @@ class Scene:
         self._shown = 0
         self._settled_at = 0
 
-    def start(self) -> int:
-        """Starts the viser server on loopback; its port."""
+    def start(self) -> Path:
+        """Starts the viser server; the unix socket that it listens on."""
         # viser greets on standard output, which is not ours to write to.
         rich.reconfigure(quiet=True)
-        server = LoopbackServer(host=LOOPBACK, port=0, verbose=False)
+        server = DoorwayServer()
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
         with self._lock:
             self._server = server
             self._build(server)
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._forget)
-        return server.get_port()
+        return server.doorway
 
     def stop(self) -> None:
         """Closes the viser server and its connections."""

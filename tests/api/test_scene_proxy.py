@@ -25,10 +25,10 @@ PROTOCOL = f"viser-v{viser.__version__}"
 
 
 @contextlib.contextmanager
-def served(scene_port):
+def served(doorway):
     """The address of an application that has the proxy and the service's own origin check."""
     app = FastAPI()
-    app.state.scene_port = scene_port
+    app.state.scene_doorway = doorway
     app.include_router(scene_proxy.router)
     app.add_middleware(SameOrigin, hosts=("127.0.0.1",))
     with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -136,10 +136,8 @@ def test_another_viser_version_is_told_so(address):
     assert closed.value.rcvd.code == 1002
 
 
-def test_a_scene_that_is_gone_is_said_to_be():
-    with socket.create_server(("127.0.0.1", 0)) as unused:
-        port = unused.getsockname()[1]
-    with served(port) as address:
+def test_a_scene_that_is_gone_is_said_to_be(tmp_path):
+    with served(tmp_path / "gone") as address:
         assert httpx.get(f"http://{address}/scene/", trust_env=False, timeout=PATIENCE).status_code == 503
         with pytest.raises(InvalidStatus), socket_of(address):
             pass

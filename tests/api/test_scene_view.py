@@ -1,8 +1,13 @@
-"""The scene as a browser receives it from its own loopback port."""
+"""The scene as a browser receives it from its own socket."""
+
+import contextlib
+import stat
+import tempfile
+from pathlib import Path
 
 import pytest
 import viser
-from websockets.sync.client import connect
+from websockets.sync.client import unix_connect
 
 from server.scene import CAMERAS, LAYERS, Scene
 from sim.capture.mission import Mission
@@ -30,14 +35,14 @@ def flown():
     return mission
 
 
-def joined(port):
+def joined(doorway):
     protocol = f"viser-v{viser.__version__}"
-    return connect(
-        f"ws://127.0.0.1:{port}",
+    return unix_connect(
+        str(doorway),
+        "ws://viser/",
         subprotocols=[protocol],
         compression=None,
         max_size=None,
-        proxy=None,
         open_timeout=PATIENCE,
     )
 
@@ -53,10 +58,10 @@ def drained(browser, *, more_than=-1):
 
 
 def test_a_late_browser_gets_the_whole_scene_and_then_only_what_changes(scene):
-    port = scene.start()
+    doorway = scene.start()
     mission = flown()
     scene.show(mission.snapshot())
-    with joined(port) as browser:
+    with joined(doorway) as browser:
         assert drained(browser, more_than=WHOLE_SCENE) > WHOLE_SCENE
         scene.show(mission.snapshot())
         assert drained(browser) == 0
@@ -108,3 +113,33 @@ def test_nothing_is_printed_on_standard_output(capsys):
     scene.start()
     scene.stop()
     assert capsys.readouterr().out == ""
+
+
+def listening_here() -> list[int]:
+    """TCP ports that this process listens on (Linux)."""
+    inodes = set()
+    for each in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(OSError):
+            inodes.add(each.readlink().name.removeprefix("socket:[").removesuffix("]"))
+    rows = [line.split() for table in ("tcp", "tcp6") for line in _lines(Path("/proc/self/net") / table)]
+    return [int(row[1].rpartition(":")[2], 16) for row in rows if row[3] == "0A" and row[9] in inodes]
+
+
+def _lines(table: Path) -> list[str]:
+    return table.read_text().splitlines()[1:] if table.exists() else []
+
+
+def test_it_has_no_port_and_only_this_user_reaches_it(scene):
+    before = listening_here()
+    doorway = scene.start()
+    assert listening_here() == before
+    assert stat.S_IMODE(doorway.parent.stat().st_mode) == 0o700
+    scene.stop()
+    assert not doorway.parent.exists()
+
+
+def test_a_long_name_of_the_temporary_folder_does_no_harm(scene, tmp_path, monkeypatch):
+    folder = tmp_path / ("x" * 90)
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    assert scene.start().is_socket()

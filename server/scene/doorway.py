@@ -1,0 +1,74 @@
+"""viser without a port: its server listens on a socket in a folder that only this process's user may enter.
+
+viser knows no login and takes any origin, so that whoever reaches a port of it may do what the service's own checks
+forbid: other users of the machine, and any page in a browser on it. A unix socket is reached by the service alone.
+viser takes a host and a port only; here a host that is a path is such a socket.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import viser
+import websockets.asyncio.server
+from viser.infra import _infra
+
+LONGEST_PATH = 100
+"""Bytes that the path of a unix socket may have, on the system that allows fewest (104, with its end)."""
+
+
+class _Seen:
+    """A module as viser sees it: itself, but for what stands here instead."""
+
+    def __init__(self, module: ModuleType, **instead: Any) -> None:
+        self._module = module
+        self.__dict__.update(instead)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._module, name)
+
+
+def _serve(handler: Any, host: str, port: int, **options: Any) -> Any:
+    if host.startswith("/"):
+        return websockets.asyncio.server.unix_serve(handler, host, **options)
+    return websockets.asyncio.server.serve(handler, host, port, **options)
+
+
+_infra.websockets = _Seen(  # type: ignore[assignment, attr-defined]
+    websockets,
+    asyncio=_Seen(websockets.asyncio, server=_Seen(websockets.asyncio.server, serve=_serve)),
+)
+
+
+class DoorwayServer(viser.ViserServer):
+    """viser on a unix socket, and without its tunnel: nothing that a browser sends may publish the scene outside."""
+
+    def __init__(self) -> None:
+        """Start it.
+
+        Raises:
+            OSError: no folder for the socket can be made.
+
+        """
+        self._folder = Path(tempfile.mkdtemp(prefix="becalm-scene-"))
+        if len(os.fsencode(self._folder / "viser")) > LONGEST_PATH:
+            self._folder.rmdir()
+            self._folder = Path(tempfile.mkdtemp(prefix="becalm-scene-", dir="/tmp"))
+        self.doorway = self._folder / "viser"
+        super().__init__(host=str(self.doorway), port=0, verbose=False)
+
+    def stop(self) -> None:
+        """End it, and remove its socket."""
+        super().stop()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def request_share_url(self, verbose: bool = True) -> None:
+        """Refuses: access goes through the service's own port, which checks identity and origin."""
+
+    def disconnect_share_url(self) -> None:
+        """There is never a tunnel to close."""
