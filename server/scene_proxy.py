@@ -29,6 +29,8 @@ from websockets.typing import Subprotocol
 
 from server.access.headers import content_policy, inline_scripts
 from server.playbacks import Playbacks
+from server.scene_light import lightened
+from server.scene_page import dressed
 from server.scene_words import heard
 
 router = APIRouter(include_in_schema=False)
@@ -51,18 +53,6 @@ SCENE_SOURCES = (
     "worker-src 'self' blob:",
     "connect-src 'self' data: blob:",
 )
-
-HEAD = """<script>
-if (!new URLSearchParams(location.search).has("darkMode"))
-  history.replaceState(null, "", location.pathname + (location.search ? location.search + "&" : "?") + "darkMode");
-</script>
-<style>
-html, body { background: #0e1116 }
-canvas[data-engine] { background: radial-gradient(120% 90% at 50% 40%, #151b24 0%, #0e1116 60%, #0a0c10 100%) }
-[data-floating-window], #webgl-software-rendering { display: none !important }
-div:has(canvas[data-engine]) + .mantine-Paper-root { display: none !important }
-</style>"""
-"""Dark from the first paint, the console's night behind the scene, and none of viser's own panels."""
 
 
 @dataclass
@@ -111,16 +101,16 @@ async def playback_without_slash(key: str) -> RedirectResponse:
 @router.get("/scene/playback/{key}/{path:path}")
 async def playback_page(request: Request, key: str, path: str) -> Response:
     """The page of a recorded run's scene."""
-    return await _page(_playback_doorway(request, key), path)
+    return await _page(request, _playback_doorway(request, key), path)
 
 
 @router.get("/scene/{path:path}")
 async def scene_page(request: Request, path: str) -> Response:
     """The page of the live mission's scene."""
-    return await _page(_live_doorway(request), path)
+    return await _page(request, _live_doorway(request), path)
 
 
-async def _page(doorway: Path, path: str) -> Response:
+async def _page(request: Request, doorway: Path, path: str) -> Response:
     """The page of viser, dressed for the console, or another of its files."""
     url = httpx.URL(scheme="http", host="viser", path=f"/{path}")
     transport = httpx.AsyncHTTPTransport(uds=str(doorway))
@@ -130,18 +120,19 @@ async def _page(doorway: Path, path: str) -> Response:
     except httpx.HTTPError as error:
         raise HTTPException(503, f"the 3D scene does not answer: {error}") from None
     kind = answer.headers.get("content-type", "application/octet-stream")
-    body = answer.content if path else dressed(answer.content)
-    return Response(body, answer.status_code, _page_headers(body if not path else b""), kind)
+    if path:
+        return Response(answer.content, answer.status_code, _page_headers(b""), kind)
+    page = dressed(answer.content)
+    headers = _page_headers(page.body) | {"ETag": page.etag}
+    # 0.8 MB that are the same until viser is another: a browser that has them asks only whether they still hold.
+    if page.etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return Response(page.body, answer.status_code, headers, kind)
 
 
 def _page_headers(page: bytes) -> dict[str, str]:
     sources = (source.format(scripts=inline_scripts(page)) for source in SCENE_SOURCES)
     return {"Cache-Control": "no-cache", "Content-Security-Policy": content_policy(*sources)}
-
-
-def dressed(page: bytes) -> bytes:
-    """That page with `HEAD` at the top of its head."""
-    return page.replace(b"<head>", b"<head>" + HEAD.encode(), 1)
 
 
 @router.websocket("/scene")
@@ -151,6 +142,12 @@ async def scene_socket(browser: WebSocket) -> None:
     await _pump(browser, _live_doorway)
 
 
+@router.websocket("/scene/light")
+async def light_scene_socket(browser: WebSocket) -> None:
+    """The same for a browser without a graphics card."""
+    await _pump(browser, _live_doorway, light=True)
+
+
 @router.websocket("/scene/playback/{key}")
 @router.websocket("/scene/playback/{key}/")
 async def playback_socket(browser: WebSocket, key: str) -> None:
@@ -158,7 +155,13 @@ async def playback_socket(browser: WebSocket, key: str) -> None:
     await _pump(browser, partial(_playback_doorway, key=key))
 
 
-async def _pump(browser: WebSocket, doorway: Callable[[HTTPConnection], Path]) -> None:
+@router.websocket("/scene/playback/{key}/light")
+async def light_playback_socket(browser: WebSocket, key: str) -> None:
+    """The same for a browser without a graphics card."""
+    await _pump(browser, partial(_playback_doorway, key=key), light=True)
+
+
+async def _pump(browser: WebSocket, doorway: Callable[[HTTPConnection], Path], *, light: bool = False) -> None:
     """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
     through = traffic(browser)
     if through.open >= AT_ONCE:
@@ -166,12 +169,14 @@ async def _pump(browser: WebSocket, doorway: Callable[[HTTPConnection], Path]) -
         return
     through.open += 1
     try:
-        await _pump_between(browser, doorway, through)
+        await _pump_between(browser, doorway, through, light=light)
     finally:
         through.open -= 1
 
 
-async def _pump_between(browser: WebSocket, doorway: Callable[[HTTPConnection], Path], through: Traffic) -> None:
+async def _pump_between(
+    browser: WebSocket, doorway: Callable[[HTTPConnection], Path], through: Traffic, *, light: bool
+) -> None:
     offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
     try:
         viser = await unix_connect(
@@ -189,7 +194,9 @@ async def _pump_between(browser: WebSocket, doorway: Callable[[HTTPConnection], 
     async with viser:
         await browser.accept(viser.subprotocol)
         camera = _Newest()
-        await _first_to_end(_listen(browser, camera, through), _pass_on(camera, viser), _to_browser(viser, browser))
+        await _first_to_end(
+            _listen(browser, camera, through), _pass_on(camera, viser), _to_browser(viser, browser, light=light)
+        )
         with contextlib.suppress(*GONE):
             await browser.close(viser.close_code or 1001, viser.close_reason or "")
 
@@ -235,10 +242,10 @@ async def _pass_on(camera: _Newest, viser: ClientConnection) -> None:
         await asyncio.sleep(CAMERA_PERIOD)
 
 
-async def _to_browser(viser: ClientConnection, browser: WebSocket) -> None:
+async def _to_browser(viser: ClientConnection, browser: WebSocket, *, light: bool) -> None:
     async for frame in viser:
         if isinstance(frame, bytes):
-            await browser.send_bytes(frame)
+            await browser.send_bytes(lightened(frame) if light else frame)
         else:
             await browser.send_text(frame)
 

@@ -10,6 +10,7 @@ import msgspec
 import pytest
 import uvicorn
 import viser
+import zstandard
 from fastapi import FastAPI
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
@@ -17,6 +18,8 @@ from websockets.sync.client import connect
 from server import scene_proxy
 from server.api.origin import SameOrigin
 from server.scene import Scene
+from server.scene_light import lightened
+from server.scene_page import HEAD
 from sim.config import MissionConfig
 
 PATIENCE = 180.0
@@ -53,9 +56,9 @@ def address():
     scene.stop()
 
 
-def socket_of(address, origin=None, subprotocols=(PROTOCOL,)):
+def socket_of(address, origin=None, subprotocols=(PROTOCOL,), path="/scene"):
     return connect(
-        f"ws://{address}/scene", origin=origin, subprotocols=subprotocols, compression=None, max_size=None, proxy=None
+        f"ws://{address}{path}", origin=origin, subprotocols=subprotocols, compression=None, max_size=None, proxy=None
     )
 
 
@@ -64,7 +67,11 @@ def test_the_page_comes_dressed_and_only_into_our_own_frames(address):
     assert page.status_code == 200
     assert page.headers["content-type"].startswith("text/html")
     assert "frame-ancestors 'self'" in page.headers["content-security-policy"]
-    assert scene_proxy.HEAD in page.text
+    assert HEAD in page.text
+    again = {"If-None-Match": page.headers["etag"]}
+    answer = httpx.get(f"http://{address}/scene/", headers=again, trust_env=False, timeout=PATIENCE)
+    assert (answer.status_code, answer.content) == (304, b"")
+    assert answer.headers["content-security-policy"] == page.headers["content-security-policy"]
 
 
 def test_without_its_slash_the_page_is_still_found(address):
@@ -87,6 +94,44 @@ def test_the_websocket_passes_with_its_subprotocol(address, own):
             frame = stream.recv(timeout=PATIENCE)
             assert isinstance(frame, bytes)
             received += len(frame)
+
+
+def messages_of(frame):
+    """The messages of a frame of viser's, and the arrays behind them."""
+    packed = int.from_bytes(frame[8:16], "little")
+    body = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed]))
+    lengths = body["binaryBufferLengths"]
+    return body["messages"], lengths, frame[-(-(16 + packed) // 8) * 8 :]
+
+
+def whole_scene(address, path):
+    """Messages by their type, until the last of the scene's lights has come, and all raw arrays."""
+    found, arrays = {}, []
+    with socket_of(address, path=path) as stream:
+        while not {"EnvironmentMapMessage", "SpotLightMessage", "HemisphereLightMessage", "GlbMessage"} <= set(found):
+            messages, lengths, raw = messages_of(stream.recv(timeout=PATIENCE))
+            for message in messages:
+                found.setdefault(message["type"], []).append(message)
+            arrays += [raw[: sum(lengths)]] if lengths else []
+    return found, arrays
+
+
+def test_a_light_scene_has_no_environment_map_and_no_shadows_and_is_else_the_same(address):
+    full, arrays = whole_scene(address, "/scene")
+    light, same_arrays = whole_scene(address, "/scene/light")
+    assert len(full["EnvironmentMapMessage"][0]["hdri_data"]) > 10_000
+    assert light["EnvironmentMapMessage"][0]["hdri_data"] is None
+    assert any(lamp["props"]["cast_shadow"] for lamp in full["SpotLightMessage"])
+    assert not any(lamp["props"]["cast_shadow"] for lamp in light["SpotLightMessage"])
+    brightness = [scene["HemisphereLightMessage"][0]["props"]["intensity"] for scene in (full, light)]
+    assert brightness[1] > brightness[0]
+    assert [each["name"] for each in light["GlbMessage"]] == [each["name"] for each in full["GlbMessage"]]
+    assert arrays[:1] == same_arrays[:1]
+
+
+@pytest.mark.parametrize("rubbish", [b"", b"short", bytes(64), b"\xff" * 200])
+def test_what_is_no_frame_of_visers_is_passed_on_as_it_is(rubbish):
+    assert lightened(rubbish) == rubbish
 
 
 def camera(**changes):

@@ -9,6 +9,7 @@ import { Facts, type Fact } from "../../app/Facts";
 import { usePreferences } from "../../app/preferences";
 import { SceneChoices } from "../scene/SceneChoices";
 import { sceneAddress, useDetail } from "../scene/detail";
+import { SceneFrame } from "../scene/SceneFrame";
 import { SPEEDS, type Player } from "./player";
 import styles from "./ReplayPanel.module.css";
 import { Screening, type Opened } from "./screening";
@@ -130,9 +131,9 @@ export function ReplayPanel({ run, end, player }: { readonly run: string; readon
     <section className={styles.replay} aria-label="Replay in the scene">
       <div className={styles.scene}>
         {opened !== null && ended === null && (
-          <iframe
-            className={styles.frame}
-            src={sceneAddress(opened.scene, detail)}
+          <SceneFrame
+            address={sceneAddress(opened.scene, detail)}
+            detail={detail}
             title="3D view of the recorded run"
           />
         )}

@@ -3,6 +3,7 @@ import { Button, Checkbox, SegmentedControl } from "@mantine/core";
 import { useState } from "react";
 import type { SceneChange, SceneView } from "../../api/types";
 import { Popup } from "../../ui/Popup";
+import { SceneLegend } from "./SceneLegend";
 import styles from "./ScenePanel.module.css";
 
 type Camera = SceneView["camera"];
@@ -48,6 +49,7 @@ export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
           ))}
         </fieldset>
       </Popup>
+      <SceneLegend />
     </div>
   );
 }

@@ -6,8 +6,9 @@ import type { SceneView } from "../../api/types";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
 import { useReasonByRole } from "../access/session";
-import { sceneAddress, useDetail, type Detail } from "./detail";
+import { sceneAddress, useDetail, type DetailChoice } from "./detail";
 import { SceneChoices } from "./SceneChoices";
+import { SceneFrame } from "./SceneFrame";
 import styles from "./ScenePanel.module.css";
 
 /** How the live scene stands, read with each connection; it is the same for all browsers. */
@@ -28,13 +29,11 @@ function LiveChoices({ connection }: { readonly connection: number }) {
   return <SceneChoices view={arrangement} against={against} onChange={(change) => void changeScene(change).catch(() => undefined)} />;
 }
 
-interface DetailSwitchProps {
-  readonly detail: Detail;
-  readonly choose: (detail: Detail) => void;
-}
-
-function DetailSwitch({ detail, choose }: DetailSwitchProps) {
-  const label = detail === "full" ? "Draw the scene lightly, for a computer without a graphics card" : "Draw the scene in full detail";
+function DetailSwitch({ detail, choose, byItself }: DetailChoice) {
+  const label =
+    detail === "full"
+      ? "Draw the scene lightly: fewer pixels, no shadows, for a computer without a graphics card"
+      : `Draw the scene in full detail${byItself ? "; it is light because this browser draws in software" : ""}`;
   return (
     <Tooltip label={label} position="left">
       <ActionIcon
@@ -54,19 +53,17 @@ function DetailSwitch({ detail, choose }: DetailSwitchProps) {
 export function ScenePanel() {
   const begun = useView((view) => view.snapshot !== null);
   const old = useView((view) => view.trust === "stale" || view.trust === "preparing" || view.robotAge > 0);
-  // The view does not find its way back to a service that was away; with each new connection it is loaded anew.
   const connection = useView((view) => view.connections);
   const preparing = useView((view) => view.trust === "preparing");
-  const { detail, choose } = useDetail();
+  const detail = useDetail();
 
   return (
     <section className={styles.scene} aria-label="Scene">
       {begun && (
-        <iframe
-          key={connection}
-          src={sceneAddress("/scene/", detail)}
+        <SceneFrame
+          address={sceneAddress("/scene/", detail.detail)}
+          detail={detail.detail}
           title="3D view of robot and target"
-          className={styles.frame}
         />
       )}
       {!begun && (
@@ -75,7 +72,7 @@ export function ScenePanel() {
         </p>
       )}
       {begun && <LiveChoices key={connection} connection={connection} />}
-      {begun && <DetailSwitch detail={detail} choose={choose} />}
+      {begun && <DetailSwitch {...detail} />}
       {begun && old && <div className={styles.veil} aria-hidden="true" />}
     </section>
   );
