@@ -39,10 +39,15 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
         expect(console.locator(f"[data-cell='{row['cell']}']")).to_have_attribute("data-shown", row["outcome"])
 
     with console.expect_download() as download:
-        console.get_by_role("button", name="SVG").click()
+        console.get_by_role("button", name="Export the map").click()
+        console.get_by_role("menuitem", name="SVG").click()
     picture = tmp_path / "map.svg"
     download.value.save_as(picture)
-    assert ET.parse(picture).getroot().tag.endswith("svg")
+    root = ET.parse(picture).getroot()
+    assert root.tag.endswith("svg")
+    words = "".join(root.itertext())
+    assert "three dampings: outcome" in words
+    assert "configuration published · 3 cells" in words
 
     console.locator("[data-cell='1']").click()
     chosen = next(row for row in rows if row["cell"] == 1)

@@ -19,6 +19,9 @@ const LOOKS: Readonly<Record<string, ClassLook>> = {
   right: { colour: "#e69f00", letter: "R", words: "right" },
 };
 
+/** The classes of an outcome, best first. */
+export const CLASSES = Object.keys(LOOKS).slice(0, 6);
+
 export const FAILED_LOOK: ClassLook = { colour: "#ffffff", letter: "!", words: "could not be flown" };
 
 export const lookOf = (name: string): ClassLook =>

@@ -1,6 +1,7 @@
 /** One cell: what it was flown with, what came out, and its run. */
 import { Button } from "@mantine/core";
 import { Panel } from "../../app/Panel";
+import { Term } from "../../glossary/Term";
 import { go } from "../../app/route";
 import { useDoing } from "../../app/use-doing";
 import { runCell } from "../../api/service";
@@ -9,7 +10,7 @@ import { PrepareButton } from "../commands/PrepareButton";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
 import { lookOf } from "../../theme/looks";
-import { axisName } from "./StudyMap";
+import { axisName } from "./geometry";
 import styles from "./StudiesPage.module.css";
 
 type Flat = Readonly<Record<string, unknown>>;
@@ -75,7 +76,9 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
         ))}
         {LABELS.map(([column, label]) => (
           <div key={column}>
-            <dt>{label}</dt>
+            <dt>
+              <Term term={column}>{label}</Term>
+            </dt>
             <dd>{words(study, column, row[column] ?? null)}</dd>
           </div>
         ))}

@@ -1,22 +1,14 @@
 /** The map of a grid study as one SVG: a panel for each value of the third axis, the published ones beside. */
-import { useId } from "react";
+import { memo } from "react";
 import type { StudyDetail, StudyRow } from "../../api/types";
-import { shown as shownUnit, plain } from "../../units/units";
-import { panelsOf, rangeOf, shownAt, type GridAxis, type Panel, type Shown, type Spread, type Value } from "./layout";
 import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
-import { inkOn, viridis } from "./viridis";
+import { FIGURE_FONT } from "../../ui/export/figure-file";
+import { shown as shownUnit, plain } from "../../units/units";
+import { axisTitle, geometryOf, LABEL_SIZE, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";
+import { panelsOf, rangeOf, shownAt, type GridAxis, type Panel, type Shown, type Spread, type Value } from "./layout";
 import type { PublishedClasses } from "./published";
 import type { Rows } from "./use-study";
-
-/** A cell of a large grid; those of a small one are larger, so that the axes have room for their words. */
-const SMALLEST_CELL = 17;
-const LARGEST_CELL = 44;
-const GRID = 187;
-const LEFT = 54;
-const TOP = 28;
-const BOTTOM = 44;
-const GAP = 14;
-const LEGEND = 44;
+import { inkOn, viridis } from "./viridis";
 
 /** Colours of ink and paper; explicit, so that the picture is the same when it is taken out of the page. */
 export interface Paper {
@@ -25,6 +17,12 @@ export interface Paper {
   readonly dim: string;
   readonly line: string;
   readonly empty: string;
+}
+
+/** What a picture says of itself where it stands alone. */
+export interface Caption {
+  readonly title: string;
+  readonly words: string;
 }
 
 export interface MapProps {
@@ -36,40 +34,20 @@ export interface MapProps {
   /** What the paper prints, where it can be laid beside; null where it is not wanted. */
   readonly published: PublishedClasses | null;
   readonly paper: Paper;
+  readonly frame: Frame;
   readonly selected: number | null;
-  readonly onSelect: (cell: number) => void;
-  /** Panels beside each other. */
-  readonly across: number;
+  /** Null where the picture is a figure, and nothing in it can be pressed. */
+  readonly onSelect: ((cell: number) => void) | null;
+  /** Of a figure. */
+  readonly caption: Caption | null;
 }
+
+const INK = "#10151c";
+const CAPTION_HEIGHT = 46;
 
 const unitOf = (unit: string): string => shownUnit(unit, "rad").unit;
 
-/** The end of its path, by which a person knows a parameter. */
-export const axisName = (path: string): string => path.split(".").slice(-2).join(" ").replaceAll("_", " ");
-
-export const axisTitle = (axis: { readonly path: string; readonly unit: string }): string => {
-  const unit = unitOf(axis.unit);
-  const name = axisName(axis.path);
-  return unit === "" ? name : `${name} [${unit}]`;
-};
-
 const valueWords = (value: Value): string => (typeof value === "number" ? plain(value) : value);
-
-function cellSize({ x, y }: Spread): number {
-  const most = Math.max(x.values.length, y?.values.length ?? 1);
-  return Math.min(LARGEST_CELL, Math.max(SMALLEST_CELL, Math.floor(GRID / most)));
-}
-
-const panelWidth = (spread: Spread): number => LEFT + spread.x.values.length * cellSize(spread) + GAP;
-const panelHeight = (spread: Spread): number => TOP + (spread.y?.values.length ?? 1) * cellSize(spread) + BOTTOM;
-
-/** Size of the whole picture in its own units. */
-export function mapSize(spread: Spread, across: number, compared: boolean): { width: number; height: number } {
-  const panels = spread.facet?.values.length ?? 1;
-  const columns = Math.min(across, panels);
-  const lines = Math.ceil(panels / columns) * (compared ? 2 : 1);
-  return { width: Math.max(columns * panelWidth(spread), 460), height: lines * panelHeight(spread) + LEGEND };
-}
 
 interface Colouring {
   readonly colour: (shown: Shown) => string;
@@ -86,7 +64,7 @@ function colouringOf(range: readonly [number, number] | null, paper: Paper): Col
       if (shown.kind === "number") return viridis(fraction(shown.value));
       return shown.kind === "failed" ? FAILED_LOOK.colour : paper.empty;
     },
-    ink: (shown) => (shown.kind === "number" ? inkOn(fraction(shown.value)) : "#10151c"),
+    ink: (shown) => (shown.kind === "number" ? inkOn(fraction(shown.value)) : INK),
     letter: (shown) => {
       if (shown.kind === "class") return lookOf(shown.name).letter;
       return shown.kind === "failed" ? FAILED_LOOK.letter : "";
@@ -104,6 +82,7 @@ interface PanelProps extends MapProps {
   readonly panel: Panel;
   readonly title: string;
   readonly colouring: Colouring;
+  readonly geometry: Geometry;
   readonly x: number;
   readonly y: number;
   /** What the paper prints in place of what was flown. */
@@ -114,32 +93,52 @@ function axisValue(axis: GridAxis | null, place: number): Value | null {
   return axis?.values[place] ?? null;
 }
 
-function MapCell({ props, place }: { readonly props: PanelProps; readonly place: Panel["places"][number] }) {
-  const { spread, panel, rows, column, published, colouring, printed, paper, selected, onSelect } = props;
-  const lines = spread.y?.values.length ?? 1;
-  const [xValue, yValue] = [axisValue(spread.x, place.column), axisValue(spread.y, place.row)];
-  const theirs = published?.at(panel.facet, xValue, yValue) ?? null;
-  const flown = place.cells.map((cell) => rows.get(cell)).filter((row): row is StudyRow => row !== undefined);
-  const ours = shownAt(flown, column);
-  const shown: Shown = printed ? (theirs === null ? { kind: "empty" } : { kind: "class", name: theirs, share: 1 }) : ours;
-  const differs = !printed && theirs !== null && ours.kind === "class" && ours.name !== theirs;
-  const cell = place.cells[0] ?? 0;
-  const where = [axisTitle(spread.x), valueWords(xValue ?? ""), spread.y ? axisTitle(spread.y) : "", valueWords(yValue ?? "")].join(" ");
-  const label = `${where}: ${words(shown)}${differs ? `; published ${lookOf(theirs).words}` : ""}`;
-  const size = cellSize(spread);
-  const [x, y] = [LEFT + place.column * size, TOP + (lines - 1 - place.row) * size];
-  const chosen = !printed && place.cells.includes(selected ?? -1);
+interface CellProps {
+  /** Null for a cell that cannot be chosen by itself: the paper's. */
+  readonly cell: number;
+  readonly printed: boolean;
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+  readonly colour: string;
+  readonly ink: string;
+  readonly letter: string;
+  readonly label: string;
+  readonly shown: string;
+  readonly differs: boolean;
+  readonly chosen: boolean;
+  readonly reached: boolean;
+  readonly paper: Paper;
+  readonly onSelect: ((cell: number) => void) | null;
+}
+
+/** Drawn again only where it has changed: a map may have ten thousand. */
+const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, colour, ink, letter, label, shown, differs, chosen, reached, paper, onSelect }: CellProps) {
+  const small = Math.min(width, height);
+  const picture = (
+    <>
+      <rect x={x} y={y} width={width} height={height} fill={colour} {...(small >= 8 ? { stroke: paper.page, strokeWidth: 1 } : {})} />
+      {letter !== "" && small >= LETTERED_CELL && (
+        <text x={x + width / 2} y={y + height / 2 + 3.300} textAnchor="middle" fontSize={9} fill={ink} fillOpacity={0.85}>
+          {letter}
+        </text>
+      )}
+      {differs && <rect x={x + 1.500} y={y + 1.500} width={Math.max(1, width - 3)} height={Math.max(1, height - 3)} fill="none" stroke={INK} strokeWidth={small > 10 ? 1.500 : 0.800} strokeDasharray="3 2" />}
+    </>
+  );
+  if (onSelect === null) return picture;
   const select = () => {
     onSelect(cell);
   };
   return (
     <g
       role="button"
-      tabIndex={chosen || (selected === null && place.column === 0 && place.row === 0 && !printed) ? 0 : -1}
+      tabIndex={reached ? 0 : -1}
       aria-label={label}
       aria-pressed={chosen}
       data-cell={printed ? undefined : cell}
-      data-shown={shown.kind === "class" ? shown.name : shown.kind}
+      data-shown={shown}
       style={{ cursor: "pointer", outlineOffset: -2 }}
       onClick={select}
       onKeyDown={(event) => {
@@ -147,76 +146,112 @@ function MapCell({ props, place }: { readonly props: PanelProps; readonly place:
       }}
     >
       <title>{label}</title>
-      <rect x={x} y={y} width={size} height={size} fill={colouring.colour(shown)} stroke={paper.page} strokeWidth={1} />
-      <text x={x + size / 2} y={y + size / 2 + 3.300} textAnchor="middle" fontSize={9} fill={colouring.ink(shown)} opacity={0.85}>
-        {colouring.letter(shown)}
-      </text>
-      {differs && <rect x={x + 1.500} y={y + 1.500} width={size - 3} height={size - 3} fill="none" stroke="#10151c" strokeWidth={1.500} strokeDasharray="3 2" />}
-      {chosen && <rect x={x + 1} y={y + 1} width={size - 2} height={size - 2} fill="none" stroke={paper.ink} strokeWidth={2.500} />}
+      {picture}
+      {chosen && <rect x={x + 1} y={y + 1} width={Math.max(2, width - 2)} height={Math.max(2, height - 2)} fill="none" stroke={paper.ink} strokeWidth={2.500} />}
     </g>
+  );
+});
+
+/** What is known of one place of a panel, in the words and colours of its cell. */
+function cellOf(props: PanelProps, place: Panel["places"][number]): CellProps {
+  const { spread, panel, rows, column, published, colouring, printed, paper, selected, onSelect, geometry } = props;
+  const lines = spread.y?.values.length ?? 1;
+  const [xValue, yValue] = [axisValue(spread.x, place.column), axisValue(spread.y, place.row)];
+  const theirs = published?.at(panel.facet, xValue, yValue) ?? null;
+  const flown = place.cells.map((cell) => rows.get(cell)).filter((row): row is StudyRow => row !== undefined);
+  const ours = shownAt(flown, column);
+  const shown: Shown = printed ? (theirs === null ? { kind: "empty" } : { kind: "class", name: theirs, share: 1 }) : ours;
+  const differs = !printed && theirs !== null && ours.kind === "class" && ours.name !== theirs;
+  const where = [axisTitle(spread.x), valueWords(xValue ?? ""), spread.y ? axisTitle(spread.y) : "", valueWords(yValue ?? "")].join(" ");
+  const chosen = !printed && selected !== null && place.cells.includes(selected);
+  return {
+    cell: place.cells[0] ?? 0,
+    printed,
+    x: geometry.left + place.column * geometry.wide,
+    y: geometry.top + (lines - 1 - place.row) * geometry.cell,
+    width: geometry.wide,
+    height: geometry.cell,
+    colour: colouring.colour(shown),
+    ink: colouring.ink(shown),
+    letter: colouring.letter(shown),
+    label: `${where}: ${words(shown)}${differs ? `; published ${lookOf(theirs).words}` : ""}`,
+    shown: shown.kind === "class" ? shown.name : shown.kind,
+    differs,
+    chosen,
+    reached: chosen || (selected === null && place.column === 0 && place.row === 0 && !printed),
+    paper,
+    onSelect,
+  };
+}
+
+function Axes({ spread, geometry, paper }: { readonly spread: Spread; readonly geometry: Geometry; readonly paper: Paper }) {
+  const { cell, wide, left, top, panel, x, y } = geometry;
+  const lines = spread.y?.values.length ?? 1;
+  const foot = top + lines * cell;
+  return (
+    <>
+      {x.ticks.map(({ place, text }) => (
+        <g key={place}>
+          <line x1={left + (place + 0.5) * wide} x2={left + (place + 0.5) * wide} y1={foot} y2={foot + 3} stroke={paper.dim} />
+          <text x={left + (place + 0.5) * wide} y={foot + 14} fontSize={LABEL_SIZE} textAnchor="middle" fill={paper.dim}>
+            {text}
+          </text>
+        </g>
+      ))}
+      <text x={left + Math.max(spread.x.values.length * wide, 130) / 2} y={foot + 32} fontSize={TITLE_SIZE} textAnchor="middle" fill={paper.ink}>
+        {x.title}
+      </text>
+      {y?.ticks.map(({ place, text }) => (
+        <g key={place}>
+          <line x1={left - 3} x2={left} y1={top + (lines - place - 0.5) * cell} y2={top + (lines - place - 0.5) * cell} stroke={paper.dim} />
+          <text x={left - 6} y={top + (lines - place - 0.5) * cell + 3.500} fontSize={LABEL_SIZE} textAnchor="end" fill={paper.dim}>
+            {text}
+          </text>
+        </g>
+      ))}
+      {y && (
+        <text transform={`translate(${TITLE_SIZE + 1} ${Math.max(top + (lines * cell) / 2, panel.height / 2 - 12)}) rotate(-90)`} fontSize={TITLE_SIZE} textAnchor="middle" fill={paper.ink}>
+          {y.title}
+        </text>
+      )}
+    </>
   );
 }
 
-/** Every second label where values are many: they would run into each other. */
-const labelled = (count: number, place: number): boolean => count <= 8 || place % 2 === 0;
-
 function MapPanel(props: PanelProps) {
-  const { spread, panel, title, paper, x, y } = props;
-  const lines = spread.y?.values.length ?? 1;
-  const size = cellSize(spread);
-  const width = spread.x.values.length * size;
-  const foot = TOP + lines * size;
+  const { spread, panel, title, paper, geometry, x, y } = props;
   return (
-    <g transform={`translate(${x} ${y})`} role="group" aria-label={title}>
-      <text x={LEFT} y={TOP - 10} fontSize={12.500} fontWeight={600} fill={paper.ink}>
+    <g transform={`translate(${x} ${y})`} {...(props.onSelect === null ? {} : { role: "group", "aria-label": title })}>
+      <text x={geometry.left} y={geometry.top - 10} fontSize={12.500} fontWeight={600} fill={paper.ink}>
         {title}
       </text>
       {panel.places.map((place) => (
-        <MapCell key={`${place.column} ${place.row}`} props={props} place={place} />
+        <MapCell key={`${place.column} ${place.row}`} {...cellOf(props, place)} />
       ))}
-      {spread.x.values.map((value, column) =>
-        labelled(spread.x.values.length, column) ? (
-          <text key={column} x={LEFT + (column + 0.5) * size} y={foot + 14} fontSize={10.500} textAnchor="middle" fill={paper.dim}>
-            {valueWords(value)}
-          </text>
-        ) : null,
-      )}
-      <text x={LEFT + width / 2} y={foot + 31} fontSize={11} textAnchor="middle" fill={paper.ink}>
-        {axisTitle(spread.x)}
-      </text>
-      {spread.y?.values.map((value, row) =>
-        labelled(lines, row) ? (
-          <text key={row} x={LEFT - 6} y={TOP + (lines - row - 0.5) * size + 3.500} fontSize={10.500} textAnchor="end" fill={paper.dim}>
-            {valueWords(value)}
-          </text>
-        ) : null,
-      )}
-      {spread.y && (
-        <text transform={`translate(14 ${TOP + (lines * size) / 2}) rotate(-90)`} fontSize={11} textAnchor="middle" fill={paper.ink}>
-          {axisTitle(spread.y)}
-        </text>
-      )}
+      <Axes spread={spread} geometry={geometry} paper={paper} />
     </g>
   );
 }
 
-function ClassLegend({ names, paper, compared, y }: { readonly names: readonly string[]; readonly paper: Paper; readonly compared: boolean; readonly y: number }) {
-  const entries = [...names.map((name) => ({ key: name, ...lookOf(name), dashed: false }))];
-  if (compared) entries.push({ key: "differs", colour: paper.page, letter: "", words: "differs from the paper", dashed: true });
-  let x = LEFT;
+const legendWords = (names: readonly string[], compared: boolean): string[] => [...names.map((name) => lookOf(name).words), ...(compared ? ["differs from the paper"] : [])];
+
+function ClassLegend({ names, paper, compared, x, y, width }: { readonly names: readonly string[]; readonly paper: Paper; readonly compared: boolean; readonly x: number; readonly y: number; readonly width: number }) {
+  const texts = legendWords(names, compared);
+  const places = legendPlaces(texts, width);
   return (
     <g>
-      {entries.map((entry) => {
-        const at = x;
-        x += 30 + entry.words.length * 6.200;
+      {texts.map((text, number) => {
+        const name = names[number];
+        const look = name === undefined ? { colour: paper.page, letter: "" } : lookOf(name);
+        const place = places[number] ?? { x: 0, line: 0 };
         return (
-          <g key={entry.key} transform={`translate(${at} ${y})`}>
-            <rect width={15} height={15} fill={entry.colour} stroke={entry.dashed ? paper.ink : paper.line} strokeWidth={entry.dashed ? 2 : 1} strokeDasharray={entry.dashed ? "3 2" : undefined} />
-            <text x={7.500} y={11.300} textAnchor="middle" fontSize={10} fill="#10151c">
-              {entry.letter}
+          <g key={text} transform={`translate(${x + place.x} ${y + place.line * LEGEND_STEP})`}>
+            <rect width={15} height={15} fill={look.colour} stroke={name === undefined ? paper.ink : paper.line} strokeWidth={name === undefined ? 2 : 1} {...(name === undefined ? { strokeDasharray: "3 2" } : {})} />
+            <text x={7.500} y={11.300} textAnchor="middle" fontSize={10} fill={INK}>
+              {look.letter}
             </text>
-            <text x={20} y={11.500} fontSize={11} fill={paper.ink}>
-              {entry.words}
+            <text x={20} y={11.500} fontSize={TITLE_SIZE} fill={paper.ink}>
+              {text}
             </text>
           </g>
         );
@@ -225,72 +260,117 @@ function ClassLegend({ names, paper, compared, y }: { readonly names: readonly s
   );
 }
 
-function NumberLegend({ range, title, paper, y }: { readonly range: readonly [number, number]; readonly title: string; readonly paper: Paper; readonly y: number }) {
-  const gradient = useId();
+const SHADES = 44;
+
+/** Rectangles rather than a gradient: every program that opens the figure draws them alike. */
+export function NumberLegend({ range, title, paper, x, y }: { readonly range: readonly [number, number]; readonly title: string; readonly paper: Paper; readonly x: number; readonly y: number }) {
   return (
-    <g transform={`translate(${LEFT} ${y})`}>
-      <defs>
-        <linearGradient id={gradient}>
-          {Array.from({ length: 11 }, (_, place) => (
-            <stop key={place} offset={place / 10} stopColor={viridis(place / 10)} />
-          ))}
-        </linearGradient>
-      </defs>
-      <rect width={220} height={12} fill={`url(#${gradient})`} />
-      <text y={25} fontSize={10.500} fill={paper.dim}>
+    <g transform={`translate(${x} ${y})`}>
+      {Array.from({ length: SHADES }, (_, place) => (
+        <rect key={place} x={place * 5} width={5.500} height={11} fill={viridis(place / (SHADES - 1))} />
+      ))}
+      <text y={23} fontSize={LABEL_SIZE} fill={paper.dim}>
         {plain(Number(range[0].toPrecision(3)))}
       </text>
-      <text x={220} y={25} fontSize={10.500} textAnchor="end" fill={paper.dim}>
+      <text x={SHADES * 5} y={23} fontSize={LABEL_SIZE} textAnchor="end" fill={paper.dim}>
         {plain(Number(range[1].toPrecision(3)))}
       </text>
-      <text x={232} y={10.500} fontSize={11} fill={paper.ink}>
+      <text x={SHADES * 5 + 12} y={10} fontSize={TITLE_SIZE} fill={paper.ink}>
         {title}
       </text>
     </g>
   );
 }
 
+export function CaptionText({ caption, paper, x }: { readonly caption: Caption; readonly paper: Paper; readonly x: number }) {
+  return (
+    <g>
+      <text x={x} y={20} fontSize={14} fontWeight={600} fill={paper.ink}>
+        {caption.title}
+      </text>
+      <text x={x} y={37} fontSize={LABEL_SIZE} fill={paper.dim}>
+        {caption.words}
+      </text>
+    </g>
+  );
+}
+
+function classesOf(rows: Rows, column: string): Set<string> {
+  const values = [...rows.values()].map((row) => row[column]);
+  return new Set(values.filter((value) => typeof value === "string" || typeof value === "boolean").map(String));
+}
+
+/** The names of classes in a legend, those of the paper too where it is laid beside. */
+export function legendNames(rows: Rows, column: string, published: PublishedClasses | null): string[] {
+  const names = classesOf(rows, column);
+  for (const name of published?.names ?? []) names.add(name);
+  return inOrder(names);
+}
+
+/** A column as a person reads it: its name, and its unit if it has one. */
+export function columnTitle(study: StudyDetail, column: string): string {
+  const unit = unitOf(study.columns.find((each) => each.name === column)?.unit ?? "1");
+  const name = column.replaceAll("_", " ");
+  return unit === "" ? name : `${name} [${unit}]`;
+}
+
+/** The attributes of the picture: in the page it fills its frame, as a figure it has a size of its own. */
+export function pictureFrame({ width, height }: Frame, figure: boolean): Record<string, string | number> {
+  const common = { viewBox: `0 0 ${width} ${height}`, xmlns: "http://www.w3.org/2000/svg" };
+  if (figure) return { ...common, width, height, fontFamily: FIGURE_FONT };
+  return { ...common, width: "100%", height: "100%", preserveAspectRatio: "xMidYMin meet", fontFamily: "Inter, system-ui, sans-serif", role: "group" };
+}
+
+/** Beside the published panels: that Becalm has no such table. */
+function NotPrinted({ title, paper, geometry, x, y }: { readonly title: string; readonly paper: Paper; readonly geometry: Geometry; readonly x: number; readonly y: number }) {
+  return (
+    <g transform={`translate(${x + geometry.left} ${y + geometry.top})`} fill={paper.dim}>
+      <text y={-10} fontSize={12.500} fontWeight={600}>
+        {title}
+      </text>
+      <text y={8} fontSize={TITLE_SIZE}>
+        The paper&apos;s table is
+      </text>
+      <text y={23} fontSize={TITLE_SIZE}>
+        not part of Becalm.
+      </text>
+    </g>
+  );
+}
+
 export function StudyMap(props: MapProps) {
-  const { study, rows, spread, chosen, column, published, paper, across } = props;
+  const { study, rows, spread, chosen, column, published, paper, frame, caption } = props;
   const panels = panelsOf(study, spread, chosen);
-  const columns = Math.min(across, panels.length);
-  const about = study.columns.find((each) => each.name === column);
   const range = rangeOf(rows.values(), column);
   const colouring = colouringOf(range, paper);
   const compared = published !== null;
-  const size = mapSize(spread, across, compared);
-  const names = new Set([...rows.values()].map((row) => row[column]).filter((value) => typeof value === "string" || typeof value === "boolean").map(String));
-  for (const name of compared ? published.names : []) names.add(name);
+  const names = legendNames(rows, column, published);
+  const lines = Math.max(1, ...legendPlaces(legendWords(names, compared), Math.max(frame.width, 420) - 80).map(({ line }) => line + 1));
+  const geometry = geometryOf({ spread, compared, frame, legendLines: names.length > 0 ? lines : 2, head: caption === null ? 0 : CAPTION_HEIGHT });
+  const { size, left, across, panel: one, head } = geometry;
   const place = (number: number, printed: boolean) => ({
-    x: (number % columns) * panelWidth(spread),
-    y: (Math.floor(number / columns) * (compared ? 2 : 1) + (printed ? 1 : 0)) * panelHeight(spread),
+    x: (number % across) * one.width,
+    y: head + (Math.floor(number / across) * (compared ? 2 : 1) + (printed ? 1 : 0)) * one.height,
   });
   const title = (panel: Panel): string =>
-    spread.facet === null || panel.facet === null ? "" : `${spread.facet.path.split(".").at(-1) ?? ""} ${valueWords(panel.facet)} ${unitOf(spread.facet.unit)}`;
+    spread.facet === null || panel.facet === null ? "" : `${spread.facet.path.split(".").at(-1)?.replaceAll("_", " ") ?? ""} ${valueWords(panel.facet)} ${unitOf(spread.facet.unit)}`.trim();
+  const foot = head + Math.ceil(panels.length / across) * (compared ? 2 : 1) * one.height + 2;
   return (
-    <svg viewBox={`0 0 ${size.width} ${size.height}`} width="100%" height="100%" preserveAspectRatio="xMidYMin meet" fontFamily="Inter, system-ui, sans-serif" role="group" aria-label={`Map of ${study.name}: ${about?.description ?? column}`}>
+    <svg {...pictureFrame(size, caption !== null)} aria-label={`Map of ${study.name}: ${columnTitle(study, column)}`}>
       <rect width={size.width} height={size.height} fill={paper.page} />
+      {caption && <CaptionText caption={caption} paper={paper} x={16} />}
       {panels.map((panel, number) => (
-        <MapPanel key={`ours ${number}`} {...props} panel={panel} title={title(panel)} colouring={colouring} printed={false} {...place(number, false)} />
+        <MapPanel key={`ours ${number}`} {...props} panel={panel} title={title(panel)} colouring={colouring} geometry={geometry} printed={false} {...place(number, false)} />
       ))}
       {compared &&
         panels.map((panel, number) =>
           published.has(panel.facet) ? (
-            <MapPanel key={`printed ${number}`} {...props} panel={panel} title={`${title(panel)}, published`} colouring={colouring} printed {...place(number, true)} />
+            <MapPanel key={`printed ${number}`} {...props} panel={panel} title={`${title(panel)}, published`} colouring={colouring} geometry={geometry} printed {...place(number, true)} />
           ) : (
-            <g key={`printed ${number}`} transform={`translate(${place(number, true).x + LEFT} ${place(number, true).y + TOP})`} fill={paper.dim}>
-              <text y={-10} fontSize={12.500} fontWeight={600}>{`${title(panel)}, published`}</text>
-              <text y={8} fontSize={11}>
-                This table is not at hand.
-              </text>
-            </g>
+            <NotPrinted key={`printed ${number}`} title={`${title(panel)}, published`} paper={paper} geometry={geometry} {...place(number, true)} />
           ),
         )}
-      {names.size > 0 ? (
-        <ClassLegend names={inOrder(names)} paper={paper} compared={compared} y={size.height - 28} />
-      ) : (
-        range && <NumberLegend range={range} title={`${column.replaceAll("_", " ")} [${unitOf(about?.unit ?? "1") || "1"}]`} paper={paper} y={size.height - 34} />
-      )}
+      {names.length > 0 ? <ClassLegend names={names} paper={paper} compared={compared} x={Math.min(left, 60)} y={foot} width={size.width - 80} /> : range && <NumberLegend range={range} title={columnTitle(study, column)} paper={paper} x={Math.min(left, 60)} y={foot} />}
     </svg>
   );
 }

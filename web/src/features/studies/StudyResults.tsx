@@ -1,5 +1,6 @@
 /** How often each class came out, and how far that agrees with the paper. */
 import { Panel } from "../../app/Panel";
+import { Term } from "../../glossary/Term";
 import type { StudyDetail } from "../../api/types";
 import { fixed, plain, shown } from "../../units/units";
 import { lookOf } from "../../theme/looks";
@@ -27,7 +28,7 @@ export function StudyResults({ study }: { readonly study: StudyDetail }) {
                 <span className={styles.swatch} style={{ background: lookOf(share.outcome).colour }} aria-hidden="true">
                   {lookOf(share.outcome).letter}
                 </span>
-                {lookOf(share.outcome).words}
+                <Term term={share.outcome}>{lookOf(share.outcome).words}</Term>
               </td>
               <td>{share.cells}</td>
               <td>
@@ -49,7 +50,7 @@ export function StudyResults({ study }: { readonly study: StudyDetail }) {
             {study.measures.map(({ measure, unit, mean }) => (
               <tr key={measure}>
                 <td>
-                  {measure.replaceAll("_", " ")}
+                  <Term term={measure}>{measure.replaceAll("_", " ")}</Term>
                   {unit !== "1" && ` [${shown(unit, "rad").unit}]`}
                 </td>
                 <td>{digits(mean.value)}</td>
@@ -68,7 +69,9 @@ export function StudyResults({ study }: { readonly study: StudyDetail }) {
             <tr>
               <th>Table</th>
               <th>Same class</th>
-              <th>Cohen&apos;s κ</th>
+              <th>
+                <Term term="Cohen's κ">Cohen&apos;s κ</Term>
+              </th>
             </tr>
           </thead>
           <tbody>

@@ -1,19 +1,22 @@
 /** A sampled study: one mark for each draw, over two of the drawn parameters. */
+import { scaleLinear, scaleLog } from "d3-scale";
+import { memo } from "react";
 import type { StudyDetail } from "../../api/types";
+import { FAILED_LOOK, lookOf } from "../../theme/looks";
 import { plain } from "../../units/units";
+import { axisTitle, LABEL_SIZE, LEGEND_STEP, legendPlaces, TITLE_SIZE, type Frame } from "./geometry";
 import type { Axis } from "./layout";
 import { rangeOf, shownAt } from "./layout";
-import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
-import { viridis } from "./viridis";
-import { axisTitle, type Paper } from "./StudyMap";
+import { CaptionText, columnTitle, legendNames, NumberLegend, pictureFrame, type Caption, type Paper } from "./StudyMap";
+import { fitting, numberWords, textWidth } from "./ticks";
 import type { Rows } from "./use-study";
+import { viridis } from "./viridis";
 
-const WIDTH = 760;
-const HEIGHT = 470;
-const BOX = { left: 70, top: 14, right: 20, bottom: 84 };
-const TICKS = 6;
+const INK = "#10151c";
+const TICKS = 7;
+const SMALLEST: Frame = { width: 420, height: 320 };
 
-interface ScatterProps {
+export interface ScatterProps {
   readonly study: StudyDetail;
   readonly rows: Rows;
   readonly x: Axis;
@@ -21,76 +24,149 @@ interface ScatterProps {
   readonly y: Axis | null;
   readonly column: string;
   readonly paper: Paper;
+  readonly frame: Frame;
   readonly selected: number | null;
-  readonly onSelect: (cell: number) => void;
+  /** Null where the picture is a figure. */
+  readonly onSelect: ((cell: number) => void) | null;
+  readonly caption: Caption | null;
 }
 
-interface Scale {
+interface Ticked {
   readonly at: (value: number) => number;
-  readonly ticks: readonly number[];
+  readonly ticks: readonly { readonly value: number; readonly text: string }[];
 }
 
-function scale(range: readonly [number, number], from: number, to: number): Scale {
+/** Round ticks between these places; logarithmic where the draws are, and stand above zero. */
+export function tickedScale(range: readonly [number, number], places: readonly [number, number], logarithmic: boolean): Ticked {
   const [low, high] = range[0] === range[1] ? [range[0] - 0.5, range[1] + 0.5] : range;
-  const step = (high - low) / (TICKS - 1);
-  return {
-    at: (value) => from + ((value - low) / (high - low)) * (to - from),
-    ticks: Array.from({ length: TICKS }, (_, place) => low + place * step),
-  };
+  if (logarithmic && low > 0) {
+    const at = scaleLog([low, high], [...places]);
+    const decades = at.ticks(TICKS);
+    const values = decades.length > 2 * TICKS ? decades.filter((value) => Number.isInteger(Number(Math.log10(value).toFixed(9)))) : decades;
+    return { at, ticks: values.map((value) => ({ value, text: plain(Number(value.toPrecision(3))) })) };
+  }
+  const at = scaleLinear([low, high], [...places]);
+  const values = at.ticks(TICKS);
+  const texts = numberWords(values);
+  return { at, ticks: values.map((value, number) => ({ value, text: texts[number] ?? "" })) };
 }
 
-const short = (value: number): string => plain(Number(value.toPrecision(3)));
+interface MarkProps {
+  readonly cell: number;
+  readonly x: number;
+  readonly y: number;
+  readonly colour: string;
+  readonly letter: string;
+  readonly words: string;
+  readonly chosen: boolean;
+  readonly paper: Paper;
+  readonly onSelect: ((cell: number) => void) | null;
+}
 
-export function StudyScatter({ study, rows, x, y, column, paper, selected, onSelect }: ScatterProps) {
-  const range = rangeOf(rows.values(), column);
-  const upright = y?.path ?? (range === null ? "peak_tip_force" : column);
-  const [xRange, yRange] = [rangeOf(rows.values(), x.path), rangeOf(rows.values(), upright)];
-  if (xRange === null || yRange === null) return null;
-  const across = scale(xRange, BOX.left, WIDTH - BOX.right);
-  const up = scale(yRange, HEIGHT - BOX.bottom, BOX.top);
-  const names = new Set([...rows.values()].map((row) => row[column]).filter((value) => typeof value === "string" || typeof value === "boolean").map(String));
-  const uprightUnit = study.columns.find((each) => each.name === upright)?.unit ?? "1";
+const Mark = memo(function Mark({ cell, x, y, colour, letter, words, chosen, paper, onSelect }: MarkProps) {
+  const picture = (
+    <>
+      <circle r={chosen ? 9 : 6.500} fill={colour} stroke={chosen ? paper.ink : paper.page} strokeWidth={chosen ? 2.500 : 1} />
+      {letter !== "" && (
+        <text y={3} fontSize={8.500} textAnchor="middle" fill={INK}>
+          {letter}
+        </text>
+      )}
+    </>
+  );
+  const at = `translate(${x} ${y})`;
+  if (onSelect === null) return <g transform={at}>{picture}</g>;
   return (
-    <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} width="100%" height="100%" preserveAspectRatio="xMidYMin meet" fontFamily="Inter, system-ui, sans-serif" role="group" aria-label={`Draws of ${study.name}`}>
-      <rect width={WIDTH} height={HEIGHT} fill={paper.page} />
-      {across.ticks.map((tick) => (
-        <g key={tick}>
-          <line x1={across.at(tick)} x2={across.at(tick)} y1={BOX.top} y2={HEIGHT - BOX.bottom} stroke={paper.line} />
-          <text x={across.at(tick)} y={HEIGHT - BOX.bottom + 16} fontSize={11} textAnchor="middle" fill={paper.dim}>{short(tick)}</text>
-        </g>
-      ))}
-      {up.ticks.map((tick) => (
-        <g key={tick}>
-          <line x1={BOX.left} x2={WIDTH - BOX.right} y1={up.at(tick)} y2={up.at(tick)} stroke={paper.line} />
-          <text x={BOX.left - 8} y={up.at(tick) + 4} fontSize={11} textAnchor="end" fill={paper.dim}>{short(tick)}</text>
-        </g>
-      ))}
-      <text x={(BOX.left + WIDTH - BOX.right) / 2} y={HEIGHT - BOX.bottom + 34} fontSize={12} textAnchor="middle" fill={paper.ink}>{axisTitle(x)}</text>
-      <text transform={`translate(16 ${(HEIGHT - BOX.bottom + BOX.top) / 2}) rotate(-90)`} fontSize={12} textAnchor="middle" fill={paper.ink}>
-        {axisTitle(y ?? { path: upright, unit: uprightUnit })}
-      </text>
+    <g role="button" tabIndex={-1} aria-label={words} data-cell={cell} style={{ cursor: "pointer" }} transform={at} onClick={() => { onSelect(cell); }}>
+      <title>{words}</title>
+      {picture}
+    </g>
+  );
+});
+
+function Marks({ props, across, up, upright }: { readonly props: ScatterProps; readonly across: Ticked; readonly up: Ticked; readonly upright: string }) {
+  const { rows, x, column, paper, selected, onSelect } = props;
+  const range = rangeOf(rows.values(), column);
+  return (
+    <>
       {[...rows].map(([cell, row]) => {
         const [atX, atY] = [row[x.path], row[upright]];
         if (typeof atX !== "number" || typeof atY !== "number") return null;
         const shown = shownAt([row], column);
         const look = shown.kind === "class" ? lookOf(shown.name) : FAILED_LOOK;
         const colour = shown.kind === "number" && range !== null ? viridis((shown.value - range[0]) / (range[1] - range[0] || 1)) : look.colour;
-        const words = `${axisTitle(x)} ${short(atX)}: ${shown.kind === "number" ? short(shown.value) : look.words}`;
-        return (
-          <g key={cell} role="button" tabIndex={-1} aria-label={words} data-cell={cell} style={{ cursor: "pointer" }} transform={`translate(${across.at(atX)} ${up.at(atY)})`} onClick={() => { onSelect(cell); }}>
-            <title>{words}</title>
-            <circle r={cell === selected ? 9 : 6.500} fill={colour} stroke={cell === selected ? paper.ink : paper.page} strokeWidth={cell === selected ? 2.500 : 1} />
-            {shown.kind === "class" && <text y={3} fontSize={8.500} textAnchor="middle" fill="#10151c">{look.letter}</text>}
-          </g>
-        );
+        const words = `${axisTitle(x)} ${plain(Number(atX.toPrecision(4)))}: ${shown.kind === "number" ? plain(Number(shown.value.toPrecision(4))) : look.words}`;
+        return <Mark key={cell} cell={cell} x={across.at(atX)} y={up.at(atY)} colour={colour} letter={shown.kind === "class" ? look.letter : ""} words={words} chosen={onSelect !== null && cell === selected} paper={paper} onSelect={onSelect} />;
       })}
-      {inOrder(names).map((name, place) => (
-        <g key={name} transform={`translate(${BOX.left + (place % 3) * 210} ${HEIGHT - 36 + Math.floor(place / 3) * 18})`}>
+    </>
+  );
+}
+
+function Legend({ props, x, y, width }: { readonly props: ScatterProps; readonly x: number; readonly y: number; readonly width: number }) {
+  const { study, rows, column, paper } = props;
+  const range = rangeOf(rows.values(), column);
+  const names = legendNames(rows, column, null);
+  if (names.length === 0) return range && <NumberLegend range={range} title={columnTitle(study, column)} paper={paper} x={x} y={y} />;
+  const places = legendPlaces(names.map((name) => lookOf(name).words), width);
+  return (
+    <g>
+      {names.map((name, number) => (
+        <g key={name} transform={`translate(${x + (places[number]?.x ?? 0)} ${y + (places[number]?.line ?? 0) * LEGEND_STEP})`}>
           <circle cx={7} cy={7} r={6.500} fill={lookOf(name).colour} />
-          <text x={7} y={10} fontSize={8.500} textAnchor="middle" fill="#10151c">{lookOf(name).letter}</text>
-          <text x={20} y={11} fontSize={11} fill={paper.ink}>{lookOf(name).words}</text>
+          <text x={7} y={10} fontSize={8.500} textAnchor="middle" fill={INK}>
+            {lookOf(name).letter}
+          </text>
+          <text x={20} y={11} fontSize={TITLE_SIZE} fill={paper.ink}>
+            {lookOf(name).words}
+          </text>
         </g>
       ))}
+    </g>
+  );
+}
+
+const isLogarithmic = (axis: Axis | null): boolean => axis?.drawn_from?.spacing === "logarithmic";
+
+export function StudyScatter(props: ScatterProps) {
+  const { study, rows, x, y, column, paper, frame, caption } = props;
+  const upright = y?.path ?? (rangeOf(rows.values(), column) === null ? "peak_tip_force" : column);
+  const [xRange, yRange] = [rangeOf(rows.values(), x.path), rangeOf(rows.values(), upright)];
+  if (xRange === null || yRange === null) return null;
+  const { width, height } = { width: Math.max(frame.width, SMALLEST.width), height: Math.max(frame.height, SMALLEST.height) };
+  const top = caption === null ? 14 : 56;
+  const bottom = height - 92;
+  const up = tickedScale(yRange, [bottom - 12, top + 12], isLogarithmic(y));
+  const left = TITLE_SIZE + 24 + Math.max(...up.ticks.map(({ text }) => textWidth(text, LABEL_SIZE)));
+  const across = tickedScale(xRange, [left + 12, width - 32], isLogarithmic(x));
+  const uprightUnit = study.columns.find((each) => each.name === upright)?.unit ?? "1";
+  return (
+    <svg {...pictureFrame({ width, height }, caption !== null)} aria-label={`Draws of ${study.name}`}>
+      <rect width={width} height={height} fill={paper.page} />
+      {caption && <CaptionText caption={caption} paper={paper} x={16} />}
+      {across.ticks.map(({ value, text }) => (
+        <g key={value}>
+          <line x1={across.at(value)} x2={across.at(value)} y1={top} y2={bottom} stroke={paper.line} />
+          <text x={across.at(value)} y={bottom + 16} fontSize={LABEL_SIZE} textAnchor="middle" fill={paper.dim}>
+            {text}
+          </text>
+        </g>
+      ))}
+      {up.ticks.map(({ value, text }) => (
+        <g key={value}>
+          <line x1={left} x2={width - 20} y1={up.at(value)} y2={up.at(value)} stroke={paper.line} />
+          <text x={left - 8} y={up.at(value) + 4} fontSize={LABEL_SIZE} textAnchor="end" fill={paper.dim}>
+            {text}
+          </text>
+        </g>
+      ))}
+      <text x={(left + width - 20) / 2} y={bottom + 36} fontSize={TITLE_SIZE} textAnchor="middle" fill={paper.ink}>
+        {fitting([axisTitle(x)], width - left - 20, TITLE_SIZE)}
+      </text>
+      <text transform={`translate(${TITLE_SIZE + 2} ${(bottom + top) / 2}) rotate(-90)`} fontSize={TITLE_SIZE} textAnchor="middle" fill={paper.ink}>
+        {fitting([axisTitle(y ?? { path: upright, unit: uprightUnit })], bottom - top, TITLE_SIZE)}
+      </text>
+      <Marks props={props} across={across} up={up} upright={upright} />
+      <Legend props={props} x={left} y={bottom + 48} width={width - left - 20} />
     </svg>
   );
 }

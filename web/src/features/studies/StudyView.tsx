@@ -1,17 +1,18 @@
 /** One study: its state, its map, and what may be done with it. */
-import { Button, Switch, useMantineColorScheme } from "@mantine/core";
+import { Switch, useMantineColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
-import { useEffect, useRef, useState, type ReactNode } from "react";
+import { useEffect, useState, type ReactNode } from "react";
 import { readPublishedTables, resultsAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
 import { DownloadLink } from "../../app/DownloadLink";
-import { Icon } from "../../theme/Icon";
 import { Choice } from "../../ui/Choice";
-import { saveSvg } from "./export-svg";
+import { ExportMenu } from "../../ui/export/ExportMenu";
+import { figureOf } from "./figure";
+import { axisName } from "./geometry";
 import { gridAxes, usualSpread, type Spread } from "./layout";
 import { publishedFor } from "./published";
 import styles from "./StudiesPage.module.css";
-import { axisName, mapSize, StudyMap, type Paper } from "./StudyMap";
+import { columnTitle, StudyMap, type Paper } from "./StudyMap";
 import { StudyScatter } from "./StudyScatter";
 import type { Rows } from "./use-study";
 
@@ -22,12 +23,15 @@ const PAPERS: Readonly<Record<"dark" | "light", Paper>> = {
 
 const CLASSES = ["outcome", "at_first_closure", "at_locked_arms", "caged"];
 
+/** A study's name as part of a file's. */
+const fileName = (name: string): string => name.replaceAll(/[^\p{L}\p{N}._-]+/gu, "-").slice(0, 80) || "study";
+
 /** The columns that a map can show, classes first. */
 function columnsOf(study: StudyDetail): { value: string; label: string }[] {
   const varied = new Set(study.axes.map((axis) => axis.path));
   return study.columns
     .filter((column) => !varied.has(column.name) && !["cell", "seed", "error"].includes(column.name))
-    .map((column) => ({ value: column.name, label: column.name.replaceAll("_", " ") }));
+    .map((column) => ({ value: column.name, label: columnTitle(study, column.name) }));
 }
 
 function usePublished(): PublishedTables | null {
@@ -36,18 +40,6 @@ function usePublished(): PublishedTables | null {
     readPublishedTables().then(setTables, () => undefined); // without them the map stands alone
   }, []);
   return tables;
-}
-
-/** How many panels beside each other make them largest. */
-function bestAcross(spread: Spread, compared: boolean, width: number, height: number): number {
-  const panels = spread.facet?.values.length ?? 1;
-  let [best, largest] = [1, 0];
-  for (let across = 1; across <= panels; across += 1) {
-    const size = mapSize(spread, across, compared);
-    const scale = Math.min(width / size.width, height / size.height);
-    if (scale > largest) [best, largest] = [across, scale];
-  }
-  return best;
 }
 
 /** Where the axes go that are not spread, and what is put where. */
@@ -72,7 +64,7 @@ function AxisChoice({ study, spread, chosen, onSpread, onChosen }: {
     <>
       {(["x", "y", "facet"] as const).map((role) =>
         spread[role] === null ? null : (
-          <Choice key={role} aria-label={{ x: "Across", y: "Upright", facet: "Panels" }[role]} value={spread[role].path} data={axes.map((axis) => ({ value: axis.path, label: `${{ x: "Across", y: "Upright", facet: "Panels" }[role]}: ${axisName(axis.path)}` }))} onChange={(path) => { swap(role, path); }} />
+          <Choice key={role} aria-label={{ x: "Across", y: "Vertical", facet: "Panels" }[role]} value={spread[role].path} data={axes.map((axis) => ({ value: axis.path, label: `${{ x: "Across", y: "Vertical", facet: "Panels" }[role]}: ${axisName(axis.path)}` }))} onChange={(path) => { swap(role, path); }} />
         ),
       )}
       {rest.map((axis) => (
@@ -98,12 +90,12 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
   const [chosen, setChosen] = useState<ReadonlyMap<string, number>>(new Map());
   const [compare, setCompare] = useState(true);
   const tables = usePublished();
-  const { ref: frame, width, height } = useElementSize<HTMLDivElement>();
-  const holder = useRef<HTMLDivElement>(null);
+  const { ref: holder, width, height } = useElementSize<HTMLDivElement>();
   const drawn = study.axes.filter((axis) => axis.values === null);
   const published = tables && spread ? publishedFor(tables, study, spread) : null;
   const beside = compare && CLASSES.includes(column) && column !== "caged" ? published : null;
-  const across = spread ? bestAcross(spread, beside !== null, width, height) : 1;
+  const frame = { width: Math.max(width, 1), height: Math.max(height, 1) };
+  const draw = (): string => figureOf({ study, rows, spread, drawn, chosen, column, published: beside });
   return (
     <section className={styles.view} aria-label={`Study ${study.name}`}>
       {head}
@@ -112,18 +104,16 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
         {spread && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
         {published && <Switch size="xs" label="beside the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
         <span className={styles.spring} />
-        <Button leftSection={<Icon sign="download" />} onClick={() => { const picture = holder.current?.querySelector("svg"); if (picture) saveSvg(picture, `${study.name}-${column}.svg`); }}>
-          SVG
-        </Button>
+        <ExportMenu what="the map" name={`${fileName(study.name)}-${column}`} draw={draw} />
         <DownloadLink href={resultsAddress(study.id, "csv")} format="CSV" what="the table" />
         <DownloadLink href={resultsAddress(study.id, "parquet")} format="Parquet" what="the table" />
       </div>
-      <div className={styles.picture} ref={frame}>
+      <div className={styles.picture}>
         <div className={styles.holder} ref={holder}>
           {spread ? (
-            <StudyMap study={study} rows={rows} spread={spread} chosen={chosen} column={column} published={beside} paper={paper} selected={selected} onSelect={onSelect} across={across} />
+            <StudyMap study={study} rows={rows} spread={spread} chosen={chosen} column={column} published={beside} paper={paper} frame={frame} selected={selected} onSelect={onSelect} caption={null} />
           ) : (
-            drawn[0] && <StudyScatter study={study} rows={rows} x={drawn[0]} y={drawn[1] ?? null} column={column} paper={paper} selected={selected} onSelect={onSelect} />
+            drawn[0] && <StudyScatter study={study} rows={rows} x={drawn[0]} y={drawn[1] ?? null} column={column} paper={paper} frame={frame} selected={selected} onSelect={onSelect} caption={null} />
           )}
         </div>
       </div>
