@@ -15,6 +15,7 @@ from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
 from server.api.values import Changes
 from server.inbox import Request, Revision, arguments_of
+from server.parameter_titles import group_title, parameter_title
 from server.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
@@ -65,6 +66,8 @@ class Parameter(BaseModel):
     path: str = Field(examples=["control.impedance.damping"])
     group: str = Field(examples=["control.impedance"])
     name: str = Field(examples=["damping"])
+    title: str = Field(description="Of what it is, in a few words", examples=["Virtual damping of the hand"])
+    group_title: str = Field(description="Heading of its group", examples=["Impedance of the hands"])
     type: Literal["number", "integer", "choice"]
     description: str
     unit: str = Field(description="SI; 1 if it has none", examples=["N s/m"])
@@ -159,6 +162,8 @@ def _parameter(path: str) -> Parameter:
         path=path,
         group=group,
         name=name,
+        title=parameter_title(path),
+        group_title=group_title(group),
         type="choice" if is_choice else "integer" if kind is int else "number",
         description=field.description,
         unit=field.json_schema_extra["unit"],

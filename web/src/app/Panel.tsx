@@ -8,15 +8,17 @@ interface PanelProps {
   readonly aside?: ReactNode;
   /** Takes the room that is left, and scrolls within. */
   readonly grow?: boolean;
+  /** Needs more than a few lines to be of use, also where room is short. */
+  readonly tall?: boolean;
   /** Shows data that turn grey when they are old: of the service, or with a robot as old as what it told. */
   readonly dated?: "service" | "robot" | undefined;
   readonly children: ReactNode;
 }
 
-export function Panel({ title, aside, grow = false, dated, children }: PanelProps) {
+export function Panel({ title, aside, grow = false, tall = false, dated, children }: PanelProps) {
   const id = useId();
   return (
-    <section className={styles.panel} aria-labelledby={id} data-grow={grow || undefined}>
+    <section className={styles.panel} aria-labelledby={id} data-grow={grow || undefined} data-tall={tall || undefined}>
       <header className={styles.head}>
         <h2 id={id} className={styles.title}>
           {title}

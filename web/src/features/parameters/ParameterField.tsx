@@ -1,5 +1,5 @@
 /** One parameter: its value, what is staged, and everything known about it on hover or focus. */
-import { TextInput, Tooltip } from "@mantine/core";
+import { ActionIcon, TextInput, Tooltip } from "@mantine/core";
 import { useId, type KeyboardEvent } from "react";
 import type { Parameter } from "../../api/types";
 import { Icon } from "../../theme/Icon";
@@ -15,6 +15,8 @@ export interface FieldState {
   /** What stands in the field if it was edited. */
   readonly staged: string | undefined;
   readonly error: string | undefined;
+  /** Its value in the named configuration, if what is in force differs from it. */
+  readonly named: Value | undefined;
   readonly angles: AngleUnit;
   readonly edit: (parameter: Parameter, text: string) => void;
   /** The field has been left. */
@@ -88,15 +90,42 @@ function Entry(state: FieldState & { readonly id: string; readonly note: string 
   );
 }
 
+/** Back to what is in force, or to the default: staged like any edit. */
+function Returns({ parameter, value, staged, named, angles, edit, leave }: FieldState) {
+  const { unit } = shown(parameter.unit, angles);
+  const inForce = fieldText(parameter, value, angles);
+  const standard = fieldText(parameter, named ?? value, angles);
+  const text = staged ?? inForce;
+  return (
+    <span className={styles.returns}>
+      {staged !== undefined && text !== inForce && (
+        <ActionIcon size={18} aria-label={`${parameter.title}: back to what is in force`} title={`Back to what is in force: ${inForce} ${unit}`} onClick={() => { edit(parameter, inForce); leave(parameter); }}>
+          <Icon sign="cross" size={9} />
+        </ActionIcon>
+      )}
+      {named !== undefined && text !== standard && (
+        <ActionIcon size={18} aria-label={`${parameter.title}: back to the named configuration`} title={`Back to the named configuration: ${standard} ${unit}`} onClick={() => { edit(parameter, standard); }}>
+          <Icon sign="reset" size={11} />
+        </ActionIcon>
+      )}
+    </span>
+  );
+}
+
 export function ParameterField(state: FieldState) {
-  const { parameter, staged, error } = state;
+  const { parameter, staged, error, named, angles } = state;
   const id = useId();
   const note = `${id}-note`;
   return (
     <Tooltip label={<About {...state} />} position="right" openDelay={400} events={{ hover: true, focus: false, touch: false }}>
-      <div className={styles.field} data-staged={staged !== undefined || undefined}>
+      <div className={styles.field} data-staged={staged !== undefined || undefined} data-edited={named !== undefined || undefined}>
         <label className={styles.label} htmlFor={id}>
-          {words(parameter.name)}
+          <span>{parameter.title}</span>
+          {named !== undefined && (
+            <span className={styles.edited} title={`Edited; the named configuration has ${fieldText(parameter, named, angles)} ${shown(parameter.unit, angles).unit}`}>
+              edited
+            </span>
+          )}
           {!parameter.live && (
             <span className={styles.reset} title="Takes a reset">
               <Icon sign="lock" size={11} />
@@ -104,6 +133,7 @@ export function ParameterField(state: FieldState) {
             </span>
           )}
         </label>
+        <Returns {...state} />
         <Entry {...state} id={id} note={note} />
         <p id={note} className={error === undefined ? "visually-hidden" : styles.error}>
           {error ?? `${parameter.description}. Source: ${parameter.source}`}

@@ -1,5 +1,5 @@
 /** The form of parameters, drawn from the schema: edits are staged, compared, applied together or discarded. */
-import { TextInput } from "@mantine/core";
+import { Button, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { Panel } from "../../app/Panel";
 import { usePreferences } from "../../app/preferences";
@@ -9,13 +9,13 @@ import type { MissionConfiguration, Parameter, Preset, PresetBody } from "../../
 import { useConfiguration, type Configuration } from "../../store/configuration";
 import { Icon } from "../../theme/Icon";
 import { useArmingOf } from "./arming";
-import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, words, type Change, type Draft } from "./draft";
+import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, type Change, type Draft, type Value } from "./draft";
 import { ParameterField } from "./ParameterField";
 import styles from "./ParameterPanel.module.css";
 import { Presets } from "./Presets";
 import { StagedChanges } from "./StagedChanges";
 
-/** What the console is for: the impedance stands first and open. */
+/** What the console is for: the impedance stands first, and open. */
 const FIRST_GROUP = "control.impedance";
 
 interface Editing {
@@ -40,6 +40,7 @@ function useFields({ parameters, inForce }: Configuration, { draft, refusals, ed
         value={value}
         staged={entry?.text}
         error={error}
+        named={namedValue(inForce?.edited[parameter.path]?.from)}
         angles={entry?.angles ?? angles}
         edit={edit}
         leave={leave}
@@ -48,6 +49,8 @@ function useFields({ parameters, inForce }: Configuration, { draft, refusals, ed
   };
 }
 
+const namedValue = (from: unknown): Value | undefined => (typeof from === "number" || typeof from === "string" ? from : undefined);
+
 function groupsOf(parameters: readonly Parameter[]): [string, Parameter[]][] {
   const groups = new Map<string, Parameter[]>();
   for (const parameter of parameters) {
@@ -55,13 +58,10 @@ function groupsOf(parameters: readonly Parameter[]): [string, Parameter[]][] {
     if (group) group.push(parameter);
     else groups.set(parameter.group, [parameter]);
   }
-  // Those that may change while the mission flies come first; the sort keeps the service's order otherwise.
-  const fixed = (members: readonly Parameter[]): number => (members.some((parameter) => parameter.live) ? 0 : 1);
-  return [...groups].sort(([, one], [, other]) => fixed(one) - fixed(other));
+  // The impedance first, then those that may change while the mission flies; the sort keeps the service's order otherwise.
+  const rank = (group: string, members: readonly Parameter[]): number => (group === FIRST_GROUP ? 0 : members.some((parameter) => parameter.live) ? 1 : 2);
+  return [...groups].sort(([one, its], [other, others]) => rank(one, its) - rank(other, others));
 }
-
-/** `control.touch` as a heading; the service decides what the groups are. */
-const heading = (group: string): string => group.split(".").map(words).join(" · ");
 
 /** The refusal's findings by field; one that names no field of the form belongs to all. */
 function findings(refusal: Refusal, parameters: readonly Parameter[]): Record<string, string> {
@@ -78,6 +78,35 @@ function presentOf(inForce: MissionConfiguration, changes: readonly Change[]): P
   return { configuration: inForce.name.replace(" (edited)", ""), changes: nested([...edited, ...staged]) };
 }
 
+interface FindProps {
+  readonly query: string;
+  readonly setQuery: (query: string) => void;
+  /** How many are staged or differ from the named configuration. */
+  readonly edited: number;
+  readonly only: boolean;
+  readonly setOnly: (only: boolean) => void;
+}
+
+function Find({ query, setQuery, edited, only, setOnly }: FindProps) {
+  return (
+    <div className={styles.find}>
+      <TextInput
+        aria-label="Search parameters"
+        placeholder="Search all parameters"
+        type="search"
+        leftSection={<Icon sign="search" />}
+        value={query}
+        onChange={(event) => {
+          setQuery(event.currentTarget.value);
+        }}
+      />
+      <Button aria-pressed={only} variant={only ? "filled" : "default"} title="Show only what is staged or differs from the named configuration" onClick={() => { setOnly(!only); }}>
+        {`Edited ${edited}`}
+      </Button>
+    </div>
+  );
+}
+
 export function ParameterPanel() {
   const configuration = useConfiguration();
   const { parameters, inForce, setInForce } = configuration;
@@ -86,6 +115,7 @@ export function ParameterPanel() {
   const [refusal, setRefusal] = useState<Refusal | null>(null);
   const [applying, setApplying] = useState(false);
   const [query, setQuery] = useState("");
+  const [onlyEdited, setOnlyEdited] = useState(false);
 
   const edit = (parameter: Parameter, text: string): void => {
     const unit = draft[parameter.path]?.angles ?? angles;
@@ -131,31 +161,24 @@ export function ParameterPanel() {
   const present = inForce === null ? null : presentOf(inForce, changes);
   const refusals = refusal === null ? {} : findings(refusal, parameters);
   const field = useFields(configuration, { draft, refusals, edit, leave });
-  const matching = found(parameters, query);
+  const isEdited = ({ path }: Parameter): boolean => path in draft || inForce?.edited[path] !== undefined;
+  const edited = parameters.filter(isEdited).length;
+  const matching = found(parameters, query).filter((parameter) => !onlyEdited || isEdited(parameter));
+  const searching = query !== "" || onlyEdited;
   return (
-    <Panel title="Parameters" grow aside={<span className={styles.count}>{parameters.length > 0 && `${matching.length} of ${parameters.length}`}</span>}>
-      <div className={styles.first}>{parameters.filter((parameter) => parameter.group === FIRST_GROUP).map(field)}</div>
-      <Presets present={present} stage={(preset) => void stage(preset)} />
-      <TextInput
-        className={styles.search}
-        aria-label="Search parameters"
-        placeholder="Search all parameters"
-        type="search"
-        leftSection={<Icon sign="search" />}
-        value={query}
-        onChange={(event) => {
-          setQuery(event.currentTarget.value);
-        }}
-      />
+    <Panel title="Parameters" grow tall aside={<span className={styles.count}>{parameters.length > 0 && `${matching.length} of ${parameters.length}`}</span>}>
+      <Find query={query} setQuery={setQuery} edited={edited} only={onlyEdited} setOnly={setOnlyEdited} />
       <div className={styles.groups} tabIndex={-1}>
-        {groupsOf(matching.filter((parameter) => parameter.group !== FIRST_GROUP)).map(([group, members]) => (
-          <details key={`${group} ${query === ""}`} className={styles.group} open={query !== ""}>
+        {searching && matching.length === 0 && <p className={styles.none}>{query === "" ? "Nothing is edited." : "No parameter fits."}</p>}
+        {groupsOf(matching).map(([group, members]) => (
+          <details key={`${group} ${searching}`} className={styles.group} open={searching || group === FIRST_GROUP}>
             <summary>
-              {heading(group)} <span>{members.length}</span>
+              {members[0]?.group_title} <span>{members.length}</span>
             </summary>
             {members.map(field)}
           </details>
         ))}
+        {!searching && <Presets present={present} stage={(preset) => void stage(preset)} />}
       </div>
       <StagedChanges
         changes={changes}

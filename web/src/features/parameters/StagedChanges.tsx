@@ -8,7 +8,7 @@ import { shown } from "../../units/units";
 import { ARMED_LOOK, SecondsLeft } from "../commands/SecondsLeft";
 import { useReasonAgainstCommanding } from "../control/control";
 import type { ArmedChanges } from "./arming";
-import { fieldText, words, type Change } from "./draft";
+import { fieldText, type Change } from "./draft";
 import styles from "./StagedChanges.module.css";
 
 interface StagedChangesProps {
@@ -28,7 +28,7 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
   const { angles } = usePreferences();
   return (
     <li>
-      <span className={styles.name}>{words(parameter.name)}</span>
+      <span className={styles.name} title={parameter.path}>{parameter.title}</span>
       <span className={styles.from}>{fieldText(parameter, from, angles)}</span>
       <Icon sign="follow" size={11} />
       <span className="visually-hidden">becomes</span>
@@ -44,15 +44,17 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ar
   if (!touched) return null;
   return (
     <section className={styles.staged} aria-label="Staged changes">
-      <h3 className={styles.count}>
-        {`${changes.length} ${changes.length === 1 ? "change" : "changes"} staged`}
-        {unsound > 0 && <span>{`${unsound} to correct first`}</span>}
-      </h3>
-      <ul className={styles.list}>
-        {changes.map((change) => (
-          <Difference key={change.parameter.path} change={change} />
-        ))}
-      </ul>
+      <details className={styles.differences}>
+        <summary className={styles.count}>
+          <h3>{`${changes.length} ${changes.length === 1 ? "change" : "changes"} staged`}</h3>
+          {unsound > 0 && <span>{`${unsound} to correct first`}</span>}
+        </summary>
+        <ul className={styles.list}>
+          {changes.map((change) => (
+            <Difference key={change.parameter.path} change={change} />
+          ))}
+        </ul>
+      </details>
       {refusal !== null && (
         <p className={styles.refusal} role="alert">
           <Icon sign="warning" /> <span>{`${refusal.message} ${refusal.tip && `(${refusal.tip})`}`}</span>

@@ -5,7 +5,7 @@ import { boundsText, changesOf, draftTowards, fieldText, found, meaning, nested,
 function parameter(path: string, more: Partial<Parameter> = {}): Parameter {
   const name = path.split(".").at(-1) ?? "";
   const group = path.slice(0, -name.length - 1);
-  return { path, group, name, description: "", unit: "1", default: 0, source: "", live: true, type: "number", ...more };
+  return { path, group, name, title: name, group_title: group, description: "", unit: "1", default: 0, source: "", live: true, type: "number", ...more };
 }
 
 const damping = parameter("control.impedance.damping", { unit: "N s/m", minimum: 0, maximum: 1e4 });

@@ -142,7 +142,7 @@ export function words(name: string): string {
 export function found(parameters: readonly Parameter[], query: string): Parameter[] {
   const wanted = query.toLowerCase().split(/\s+/).filter(Boolean);
   return parameters.filter((parameter) => {
-    const text = `${parameter.path} ${words(parameter.path)} ${parameter.description} ${parameter.source}`.toLowerCase();
+    const text = `${parameter.path} ${words(parameter.path)} ${parameter.title} ${parameter.group_title} ${parameter.description} ${parameter.source}`.toLowerCase();
     return wanted.every((word) => text.includes(word));
   });
 }

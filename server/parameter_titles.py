@@ -1,0 +1,66 @@
+"""What parameters are called on a form: of what each is, where its name alone does not say so."""
+
+from __future__ import annotations
+
+_GROUPS = {
+    "robot.base": ("Robot base", "{} of the base"),
+    "robot.arm": ("Arms", "{}"),
+    "robot.arm.link_1": ("Arms, link 1", "{} of link 1"),
+    "robot.arm.link_2": ("Arms, link 2", "{} of link 2"),
+    "robot.arm.link_3": ("Arms, link 3", "{} of link 3"),
+    "robot.arm.hand": ("Hands", "{} of the hand"),
+    "robot.servo": ("Joint servos", "{}"),
+    "target": ("Target", "{} of the target"),
+    "contact": ("Contact of tip and target", "{} of the contact"),
+    "sensing.noise": ("Sensor noise", "Noise of the {}"),
+    "control": ("Controller", "{}"),
+    "control.impedance": ("Impedance of the hands", "Virtual {} of the hand"),
+    "control.touch": ("Touching", "{}"),
+    "control.caging": ("Caging", "{}"),
+    "control.tracking": ("Tracking of the path", "{} gain"),
+    "control.rates": ("Joint rates", "{}"),
+    "judging": ("Judging the outcome", "{}"),
+    "simulation": ("Simulation", "{}"),
+}
+"""Heading of each group, and how a name in it is completed."""
+
+_WHOLE = frozenset(
+    {
+        "robot.base.centre_of_mass_ahead",
+        "target.initial_x",
+        "target.initial_y",
+        "target.initial_angle",
+        "target.initial_velocity_x",
+        "target.initial_velocity_y",
+        "target.initial_spin",
+        "contact.friction_speed",
+        "contact.corner",
+        "robot.arm.hand.centre_offset",
+        "robot.arm.hand.tip_offset",
+        "robot.arm.hand.tip_radius",
+        "robot.arm.hand.finger_radius",
+    }
+)
+"""Names that say of what they are."""
+
+
+def group_title(group: str) -> str:
+    """The heading of a group of parameters; its own words if this table does not know it."""
+    known = _GROUPS.get(group)
+    return _first_upper(" · ".join(map(_words, group.split(".")))) if known is None else known[0]
+
+
+def parameter_title(path: str) -> str:
+    """What the parameter at that full path is, in a few words: "Virtual mass of the hand"."""
+    group, _, name = path.rpartition(".")
+    words = _words(name)
+    pattern = "{}" if path in _WHOLE else _GROUPS.get(group, ("", "{}"))[1]
+    return _first_upper(pattern.format(words))
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _first_upper(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,41 @@
+"""Every parameter says of what it is."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from server.parameter_titles import group_title, parameter_title
+from sim.config import PARAMETERS
+
+
+@pytest.mark.parametrize(
+    ("path", "title"),
+    [
+        ("control.impedance.mass", "Virtual mass of the hand"),
+        ("robot.base.mass", "Mass of the base"),
+        ("robot.arm.link_2.centre_of_mass", "Centre of mass of link 2"),
+        ("target.initial_spin", "Initial spin"),
+        ("sensing.noise.joint_rate", "Noise of the joint rate"),
+        ("contact.stiffness", "Stiffness of the contact"),
+        ("some.new_group.fresh_name", "Fresh name"),
+    ],
+)
+def test_a_title_says_of_what_it_is(path, title):
+    assert parameter_title(path) == title
+
+
+def test_no_two_parameters_that_mean_different_things_have_one_title():
+    titles = Counter(parameter_title(path) for path in PARAMETERS)
+    same = {title for title, count in titles.items() if count > 1}
+    # The shortest times of touching and caging stand under their own headings.
+    assert same == {"Minimum approach time"}
+
+
+def test_groups_have_headings():
+    assert group_title("control.impedance") == "Impedance of the hands"
+    assert group_title("some.new_group") == "Some · new group"
+    assert len({group_title(path.rpartition(".")[0]) for path in PARAMETERS}) == len(
+        {path.rpartition(".")[0] for path in PARAMETERS}
+    )
