@@ -133,8 +133,8 @@ export function ParameterField(state: FieldState) {
             </span>
           )}
         </label>
-        <Returns {...state} />
         <Entry {...state} id={id} note={note} />
+        <Returns {...state} />
         <p id={note} className={error === undefined ? "visually-hidden" : styles.error}>
           {error ?? `${parameter.description}. Source: ${parameter.source}`}
         </p>
