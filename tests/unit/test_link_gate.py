@@ -148,7 +148,8 @@ def test_a_session_is_opened_by_what_is_of_now(gate, ahead):
 @pytest.mark.parametrize(
     "session",
     [
-        *("", ".", "console", "console.", ".1", "console.\u00b2", "console.\u0661", "console.1", f"console.{'9' * 5000}"),
+        *("", ".", "console", "console.", ".1", "console.\u00b2", "console.\u0661", "console.1"),
+        f"console.{'9' * 5000}",
         *(f"console.\u00b2@{ROBOT}", f"console.{'9' * 19}@{ROBOT}", f"{'c' * 65}.1@{ROBOT}", f"console.1@{ROBOT}\n"),
     ],
 )

@@ -69,7 +69,7 @@ function roundTicks(values: readonly Value[]): { readonly at: (value: number) =>
   }
   if ((numbers[0] ?? 0) > 0 && isEven(numbers.map(Math.log10))) {
     const scale = scaleLog(ends, places);
-    const ticks = scale.ticks(100);
+    const ticks = scale.ticks(16); // of more it makes linear ones
     return { at: scale, sets: [ticks.filter(isOneTwoOrFive), ticks.filter(isDecade)] };
   }
   return null;
