@@ -22,10 +22,10 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     expect(console.get_by_role("button", name="STOP")).to_be_enabled()
     console.get_by_role("button", name="A study of my own").click()
     console.get_by_label("Name").fill("three dampings")
-    console.get_by_label("Grid, values 1").fill("0,5")
+    console.get_by_role("combobox", name="Grid, values 1").fill("0,5")
     expect(console.get_by_text("write 0.5")).to_be_visible()
     expect(console.get_by_role("button", name="Start")).to_be_disabled()
-    console.get_by_label("Grid, values 1").fill("3 .. 6 by 1.5")
+    console.get_by_role("combobox", name="Grid, values 1").fill("3 .. 6 by 1.5")
     expect(console.get_by_text("3 cells, about")).to_be_visible()
     console.get_by_role("button", name="Start").click()
 
