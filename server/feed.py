@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
+import uuid
 from collections import deque
 from typing import NamedTuple
 
@@ -134,6 +135,8 @@ class Feed:
     """Published to by the mission thread, subscribed to in one event loop."""
 
     def __init__(self) -> None:
+        self.service = uuid.uuid4().hex
+        """Tells this service from the one before a restart."""
         self.latest: Latest | None = None
         self.history = HistoryRing()
         self._subscribers: set[Subscriber] = set()

@@ -223,13 +223,10 @@ class LiveMission:
 
     def snapshot(self) -> Snapshot:
         """Of the last tick, but for the phase: a paused mission that was stopped is stopped, without a tick."""
-        snapshot = self._mission.snapshot()
+        snapshot = self._mission.snapshot(self.phase)
         if self._failure is not None:
-            return snapshot.model_copy(update={"phase": self.phase.label, "description": f"Failed: {self._failure}"})
-        if snapshot.phase == self.phase.label:
-            return snapshot
-        words = f"{self.phase.label.capitalize()}, from the next tick on."
-        return snapshot.model_copy(update={"phase": self.phase.label, "description": words})
+            return snapshot.model_copy(update={"description": f"Failed: {self._failure}"})
+        return snapshot
 
     def refusals(self) -> dict[str, str | None]:
         """Every command of the mission: None if it is allowed now, else the reason why not."""

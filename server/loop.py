@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple, cast, get_args
 
 from server.arming import ARMED_TIME, TO_BE_ARMED, ArmedCommand, ArmedOrder, Moment
+from server.causes import cause_of
 from server.control import Control, ControlCommand
 from server.disk import FAULT_TIP, DiskGuard
 from server.feed import Feed
@@ -30,6 +31,7 @@ from server.realtime import punctual
 from server.recorder import BACKLOG_LIMIT, Recorder
 from server.run_folder import wall_clock
 from sim.capture.mission import prepare
+from sim.capture.snapshot import Readiness
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
 from sim.control.phases import Command, Phase, next_phase
@@ -339,10 +341,14 @@ class MissionLoop:
             self._finish_step("stopped")
         granted = []
         for request, answer in stops:
-            message = f"stopped, phase {self._flying.phase.label}{self._acknowledgement()}"
+            message = f"{self._stopped_words()}{self._acknowledgement()}"
             self._flying.log_request(request, accepted=True, message=message)
             granted.append((request, answer, message))
         return granted
+
+    def _stopped_words(self) -> str:
+        faulted = self._flying.phase is Phase.FAULTED
+        return "the robot stays stopped; the fault is not mended" if faulted else "stopped: joint rates are zero"
 
     def _acknowledgement(self) -> str:
         """What the robot said to the STOP that it was sent."""
@@ -441,7 +447,8 @@ class MissionLoop:
         if request.command in TO_BE_ARMED:
             self._require_armed(request)
         self._flying.grant(command)
-        return f"{request.command} granted" + ("" if self._pace.running else "; it begins when the clock runs")
+        what = request.command.replace("_", " ")
+        return f"{what} begins" if self._pace.running else f"{what} is granted; it begins when the clock runs"
 
     def _pause(self, request: Request) -> str:
         self._pace.pause()
@@ -460,7 +467,7 @@ class MissionLoop:
         if refusal:
             raise MissionRefused(refusal, tip="pause the clock first")
         self._pace.steps_left = request.ticks
-        return f"{request.ticks} ticks"
+        return _ticks(request.ticks)
 
     def _reset(self, request: Request) -> str:
         configuration = request.configuration or self._flying.configuration
@@ -534,7 +541,7 @@ class MissionLoop:
         self._pace.steps_left = 0
         if step is not None:
             flown = self._flying.tick - step.first_tick
-            message = f"{flown} of {step.request.ticks} ticks" + (f": {reason}" if reason else "")
+            message = f"{flown} of {_ticks(step.request.ticks)} flown" + (f": {reason}" if reason else "")
             self._answers.append((step.answer, self._answered(step.request, message)))
 
     def _deliver(self) -> None:
@@ -560,8 +567,9 @@ class MissionLoop:
         self._show_view()
         self._note_own_problems(now)
         flying = self._flying
+        told = flying.snapshot()
         snapshot = MissionSnapshot(
-            **dict(flying.snapshot()),
+            **{**dict(told), "readiness": self._ready(told.readiness)},
             made_at=wall_clock(),
             service_time=time.monotonic(),
             robot=None if self._link is None else robot_data(self._link, now),
@@ -575,6 +583,12 @@ class MissionLoop:
             problems=flying.problems.shown(),
         )
         self._feed.publish(snapshot)
+
+    def _ready(self, readiness: Readiness) -> Readiness:
+        """Nothing comes next while the clock stands."""
+        if self._pace.running or readiness.blocked is not None:
+            return readiness
+        return readiness.model_copy(update={"go": False, "blocked": "the clock is paused"})
 
     def _show_view(self) -> None:
         self.view = ConfigView(self._flying.configuration, self._flying.name, self._flying.config)
@@ -633,9 +647,8 @@ class MissionLoop:
         heard = "never heard" if age is None else f"last heard {age:.1f} s ago"
         unheard = age is None or age > self._link.settings.deadline
         message = None if trouble is None else f"{trouble}; robot {heard}" if unheard else trouble
-        self._show_problem(
-            "link_now", message, "The robot cannot be flown now", "reset is possible when it can be again"
-        )
+        title = "The robot cannot be flown now" if trouble is None else f"{cause_of('link', trouble).title} now"
+        self._show_problem("link_now", message, title, "reset is possible when it can be flown again")
         stop_missing = self._link.stop_sent is not None and self._link.stop_acknowledged_after is None
         self._show_problem(
             "stop_unacknowledged",
@@ -653,3 +666,7 @@ class MissionLoop:
             severity: Literal["warning", "error"] = "error" if key in ("recorder", "data_folder") else "warning"
             problem = Problem(severity=severity, title=title, message=message, tip=tip, since=self._flying.time)
             self._flying.problems.show(key, problem)
+
+
+def _ticks(count: int) -> str:
+    return "1 tick" if count == 1 else f"{count} ticks"

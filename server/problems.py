@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from server.causes import cause_of
 from sim.capture.events import Event, Severity
 from sim.capture.snapshot import Published
 from sim.errors import CaptureError
@@ -109,9 +110,6 @@ _TIPS = {
     "control.rates.singularity_handling to damped_least_squares and reset",
     "manipulability": "an arm is near a singularity; hold, and release, or set "
     "control.rates.singularity_handling to damped_least_squares and reset",
-    "verdict": "the log of the run tells how it came to this; reset for the next try",
-    "fault": "reset starts a new mission; the run keeps what happened until now",
-    "link": "the robot was sent a STOP; mend the robot or its network, then reset: nothing resumes by itself",
 }
 
 _TITLES = {
@@ -119,17 +117,19 @@ _TITLES = {
     "base_overlap": "Target at the base",
     "rate_limit": "Joint rates at their limit",
     "manipulability": "Manipulability low",
-    "verdict": "Not caged",
-    "fault": "The plant failed",
-    "link": "The robot link is lost",
 }
 
 
 def problem_of(event: Event) -> Problem | None:
     """The event as a problem with a title and a tip; None if there is nothing to do about it."""
-    if event.severity == "info" or event.kind not in _TITLES:
+    if event.severity == "info":
         return None
-    title, tip = _TITLES[event.kind], _TIPS[event.kind]
+    if event.kind in ("link", "fault", "verdict"):
+        _, title, tip = cause_of(event.kind, event.message)
+    elif event.kind in _TITLES:
+        title, tip = _TITLES[event.kind], _TIPS[event.kind]
+    else:
+        return None
     return Problem(severity=event.severity, title=title, message=event.message, tip=tip, since=event.time)
 
 

@@ -53,7 +53,12 @@ async def _send(websocket: WebSocket, services: Services, subscriber: Subscriber
     async def send(text: str) -> None:
         await asyncio.wait_for(websocket.send_text(text), SEND_TIME)
 
-    hello = {"version": becalm_version(), "rate": subscriber.rate, "service_time": time.monotonic()}
+    hello = {
+        "version": becalm_version(),
+        "rate": subscriber.rate,
+        "service": services.feed.service,
+        "service_time": time.monotonic(),
+    }
     await send(json.dumps({"type": "hello", **hello}))
     await _send_until_ready(send, services)
     await _send_mission_so_far(send, services.feed, subscriber)

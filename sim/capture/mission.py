@@ -33,6 +33,7 @@ from sim.capture.judge import (
 )
 from sim.capture.narration import description, readiness
 from sim.capture.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
+from sim.capture.stages import Visit, stages, visits_after
 from sim.capture.tick import ARMS, TICK
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig, differences, is_live
@@ -189,6 +190,7 @@ class Mark(NamedTuple):
     last: Ticks
     outcome: Outcome | None
     touches: tuple[Touch, ...]
+    visits: tuple[Visit, ...]
     told: frozenset[str]
 
 
@@ -220,6 +222,7 @@ class Mission:
         self._notes["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []
+        self._visits = visits_after([], self._last, config.control.caging.spin_threshold)
         self._told: set[str] = set()
         self._events: list[Event] = []
         self._outcome: Outcome | None = None
@@ -268,6 +271,7 @@ class Mission:
             begin_judgement(self._notes, self.time, self._plant.state["momentum"])
             self._outcome = None
             self._touches = []
+            self._visits = self._visits[-1:]
             self._told = set()
 
     def stop(self) -> None:
@@ -392,6 +396,7 @@ class Mission:
             self._last,
             self._outcome,
             tuple(self._touches),
+            tuple(self._visits),
             frozenset(self._told),
         )
 
@@ -405,6 +410,7 @@ class Mission:
             self._plant.state[name] = mark.state[name]
         self._last, self._outcome = mark.last, mark.outcome
         self._touches, self._told = list(mark.touches), set(mark.told)
+        self._visits = list(mark.visits)
         self._events = []
 
     def tick(self) -> Any:
@@ -421,17 +427,23 @@ class Mission:
         row = self._last[-1]
         return cage(self.config, row["hand_pose"], row["target_pose"])
 
-    def snapshot(self) -> Snapshot:
-        """What is published of the last tick; before the first tick, of the start."""
+    def snapshot(self, phase: Phase | None = None) -> Snapshot:
+        """What is published of the last tick; before the first tick, of the start.
+
+        Args:
+            phase: what the mission is in by now, if the last tick does not show it yet.
+
+        """
         row, notes = self._last[-1], self._notes
+        phase = Phase(int(row["phase"])) if phase is None else phase
         touches = touches_of(notes)
         plan = self._plan()
         return Snapshot(
             tick=int(row["tick"]),
             time=float(row["time"]),
-            phase=Phase(int(row["phase"])).label,
+            phase=phase.label,
             activity=Activity(int(row["activity"])).label,
-            description=description(row, self.config, plan, touches, self._outcome),
+            description=description(row, phase, plan, touches, self._outcome),
             base=BodyState(pose=_vector(row["base_pose"]), twist=_vector(row["base_twist"])),
             target=BodyState(pose=_vector(row["target_pose"]), twist=_vector(row["target_twist"])),
             left=_arm_state(row, 0),
@@ -445,7 +457,8 @@ class Mission:
             momentum=_vector(row["momentum"]),
             contacts=touches,
             plan=plan,
-            readiness=readiness(row, self.config, self._outcome),
+            readiness=readiness(row, self.config, phase, self._outcome),
+            stages=stages(self._visits, phase, self._outcome),
             outcome=self._outcome,
         )
 
@@ -465,6 +478,7 @@ class Mission:
     def _tell(self, rows: Ticks) -> None:
         """Events of the ticks just flown, and the outcome if they reached a verdict."""
         self._events += events_of(rows, self._last, self.config)
+        self._visits = visits_after(self._visits, rows, self.config.control.caging.spin_threshold)
         self._last = rows[-1:].copy()
         if math.isnan(self._notes["begun_at"]):
             return

@@ -6,16 +6,14 @@ from collections.abc import Sequence as Ordered
 from typing import Any
 
 from sim.capture.events import verdict_in_words
-from sim.capture.snapshot import Outcome, Plan, Readiness, Touch
+from sim.capture.snapshot import Condition, Outcome, Plan, Readiness, Touch
 from sim.config import MissionConfig
 from sim.control.phases import Activity, Phase
 
 
-def description(
-    row: Any, config: MissionConfig, plan: Plan | None, touches: Ordered[Touch], outcome: Outcome | None
-) -> str:
-    """One sentence on what is happening at a tick, one element of `TICK`."""
-    phase, activity = Phase(int(row["phase"])), Activity(int(row["activity"]))
+def description(row: Any, phase: Phase, plan: Plan | None, touches: Ordered[Touch], outcome: Outcome | None) -> str:
+    """One sentence on what is happening at a tick, one element of `TICK`, in that phase."""
+    activity = Activity(int(row["activity"]))
     if outcome is not None and phase in (Phase.HOLDING, Phase.STOPPED):
         return verdict_in_words(outcome) + "."
     spin = float(row["target_twist"][2])
@@ -48,34 +46,61 @@ def _motion(activity: Activity, time: float, plan: Plan | None, touches: Ordered
     }.get(activity, "The sequence begins.")
 
 
-def readiness(row: Any, config: MissionConfig, outcome: Outcome | None) -> Readiness:
-    """Whether the phase that would come next may begin at a tick, and what speaks for or against it."""
-    phase, activity = Phase(int(row["phase"])), Activity(int(row["activity"]))
-    spin, threshold = abs(float(row["target_twist"][2])), config.control.caging.spin_threshold
-    slow = spin < threshold
-    spin_reason = f"spin {spin:.2f} rad/s is {'under' if slow else 'over'} the threshold of {threshold:g} rad/s"
-    if phase is Phase.IDLE:
-        return Readiness(next="caging" if slow else "detumbling", go=True, reasons=[spin_reason])
-    if phase is Phase.DETUMBLING:
-        reasons = [spin_reason]
-        if slow and activity is Activity.ABSORBING:
-            reasons.append("the hand is still absorbing the touch")
-        return Readiness(next="caging", go=slow and activity is not Activity.ABSORBING, reasons=reasons)
-    if phase is Phase.CAGING:
-        closed, done = bool(row["closed"]), activity is not Activity.CLOSING
-        reasons = ["the tips enclose the target" if closed else "the tips do not enclose the target yet"]
-        reasons.append("the closing motion is done" if done else "the closing motion is under way")
-        return Readiness(next="holding", go=closed and done, reasons=reasons)
-    return _readiness_at_rest(phase, outcome)
-
-
-def _readiness_at_rest(phase: Phase, outcome: Outcome | None) -> Readiness:
+def readiness(row: Any, config: MissionConfig, phase: Phase, outcome: Outcome | None) -> Readiness:
+    """Go or no-go for what comes next at a tick, one element of `TICK`, in that phase."""
+    activity = Activity(int(row["activity"]))
+    spin = _spin_condition(float(row["target_twist"][2]), config.control.caging.spin_threshold)
     if phase in (Phase.STOPPED, Phase.FAULTED):
-        return Readiness(next="reset", go=True, reasons=[f"the mission is {phase.label}"])
+        why = "the mission was stopped" if phase is Phase.STOPPED else "the mission has a fault"
+        return _verdict("reset", f"{why}; only a reset goes on", [])
+    if outcome is not None and not outcome.caged:
+        return _verdict("reset", f"the capture has ended: {_first_lower(verdict_in_words(outcome))}", [])
+    if phase is Phase.IDLE:
+        fast = spin.model_copy(update={"met": True, "words": f"{spin.words}: the touches come first"})
+        return _verdict("caging", None, [spin]) if spin.met else _verdict("detumbling", None, [fast])
+    if phase is Phase.DETUMBLING:
+        absorbed = activity is not Activity.ABSORBING
+        told = "no touch is being absorbed" if absorbed else "the hand is still absorbing the touch"
+        return _verdict("caging", None, [spin, _condition("absorbed", told, met=absorbed)])
+    if phase is Phase.CAGING:
+        return _verdict("holding", None, _closing_conditions(bool(row["closed"]), activity))
+    return _readiness_at_rest(phase, activity, outcome)
+
+
+def _spin_condition(spin: float, threshold: float) -> Condition:
+    slow = abs(spin) < threshold
+    words = f"spin {abs(spin):.2f} rad/s is {'under' if slow else 'over'} the threshold of {threshold:g} rad/s"
+    return Condition(name="spin", met=slow, value=abs(spin), bound=threshold, unit="rad/s", words=words)
+
+
+def _closing_conditions(closed: bool, activity: Activity) -> list[Condition]:
+    done = activity is not Activity.CLOSING
+    enclosed = "the tips enclose the target" if closed else "the tips do not enclose the target yet"
+    moved = "the closing motion is done" if done else "the closing motion is under way"
+    return [_condition("enclosed", enclosed, met=closed), _condition("closing_done", moved, met=done)]
+
+
+def _readiness_at_rest(phase: Phase, activity: Activity, outcome: Outcome | None) -> Readiness:
     if phase is Phase.RELEASED:
-        return Readiness(next="capture", go=True, reasons=["the hands are open"])
+        opened = activity is not Activity.OPENING
+        told = "the hands are open" if opened else "the hands are still opening"
+        return _verdict("capture", None, [_condition("hands_open", told, met=opened)])
     if outcome is None:
-        return Readiness(next="verdict", go=False, reasons=["the arms hold; the cage is being verified"])
-    if outcome.caged:
-        return Readiness(next="release", go=True, reasons=["the target is caged for good"])
-    return Readiness(next="reset", go=True, reasons=["the capture has ended without a cage"])
+        return _verdict("verdict", None, [_condition("caged", "the arms hold; the cage is not verified", met=False)])
+    margin = outcome.cage_margin
+    words = "the target is caged" + ("" if margin is None else f" with a margin of {1e3 * margin:.1f} mm")
+    caged = Condition(name="caged", met=True, value=margin, bound=0.0, unit="m", words=words)
+    return _verdict("release", None, [caged])
+
+
+def _condition(name: str, words: str, *, met: bool) -> Condition:
+    return Condition(name=name, met=met, value=None, bound=None, unit="", words=words)
+
+
+def _verdict(following: str, blocked: str | None, conditions: list[Condition]) -> Readiness:
+    go = blocked is None and all(condition.met for condition in conditions)
+    return Readiness(next=following, go=go, blocked=blocked, conditions=conditions)
+
+
+def _first_lower(words: str) -> str:
+    return words[:1].lower() + words[1:]

@@ -109,12 +109,35 @@ class Plan(Published):
     target_at_end: Vector3 = Field(description="Predicted target pose at the end of the plan [m, rad]")
 
 
+class Condition(Published):
+    """One thing that has to be so before the next phase may begin."""
+
+    name: str = Field(description="spin, absorbed, enclosed, closing_done, caged or hands_open")
+    met: bool
+    value: float | None = Field(description="What it is now, in `unit`; null if it is no figure")
+    bound: float | None = Field(description="What it is held against, in `unit`; null likewise")
+    unit: str = Field(description="SI; empty if it is no figure")
+    words: str = Field(description="The same in words")
+
+
 class Readiness(Published):
-    """Whether the next phase may begin, and what speaks for or against it."""
+    """Go or no-go for what comes next, and what speaks for or against it."""
 
     next: str = Field(description="The phase or command this is about")
-    go: bool
-    reasons: list[str]
+    go: bool = Field(description="Nothing blocks it, and every condition is met")
+    blocked: str | None = Field(description="Why nothing can come next whatever the conditions; null if it can")
+    conditions: list[Condition]
+
+
+class Stage(Published):
+    """One phase of the sequence as this mission goes through it."""
+
+    phase: str
+    state: Literal["done", "failed", "skipped", "now", "ahead"] = Field(
+        description="skipped: never entered, and not to come any more"
+    )
+    why: str = Field(description="Of failed and skipped, in words; else empty")
+    lasted: float | None = Field(description="Time spent in it [s]; null if it was not entered")
 
 
 class Snapshot(Published):
@@ -139,4 +162,5 @@ class Snapshot(Published):
     contacts: list[Touch]
     plan: Plan | None
     readiness: Readiness
+    stages: list[Stage] = Field(description="Idle, detumbling, caging, holding, and the present phase if it is another")
     outcome: Outcome | None

@@ -219,7 +219,7 @@ async def test_a_failing_tick_is_a_fault_that_a_reset_ends(console, monkeypatch)
     with monkeypatch.context() as patch:
         patch.setattr("sim.capture.mission.Mission.advance", broken)
         faulted = await console.until(lambda snapshot: snapshot.phase == "faulted")
-    (problem,) = [each for each in faulted.problems if each.title == "The plant failed"]
+    (problem,) = [each for each in faulted.problems if each.title == "Becalm failed"]
     assert "for the test" in problem.message
     assert "reset" in problem.tip
     assert (await console.http.get("/health")).json()["status"] == "faulted"

@@ -28,5 +28,5 @@ def test_ten_browsers_are_live_and_see_what_one_of_them_does(browser: Browser, s
         page.bring_to_front()
         phase = page.get_by_role("list", name="Phases").locator("[aria-current=step]")
         expect(phase).to_contain_text("Stopped")
-        expect(page.get_by_role("log", name="Events")).to_contain_text("stopped, phase stopped")
+        expect(page.get_by_role("log", name="Events")).to_contain_text("stopped: joint rates are zero")
     context.close()

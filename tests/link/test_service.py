@@ -142,8 +142,8 @@ def test_a_robot_that_is_lost_is_shown_and_taken_again_only_when_asked(robot, se
     service.granted("capture")
     robot.restart()
     lost = service.await_phase("faulted")
-    problem = next(each for each in lost["problems"] if each["title"] == "The robot link is lost")
-    assert "reset" in problem["tip"]
+    problem = next(each for each in lost["problems"] if each["severity"] == "error")
+    assert "nothing resumes by itself" in problem["tip"]
     assert service.command("capture").status_code == 409
     until(lambda: service.get("/link")["problem"] is None, "the robot is heard again")
     assert service.get("/mission")["phase"] == "faulted"

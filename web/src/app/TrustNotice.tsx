@@ -1,8 +1,11 @@
 /** One unmistakable line when what is on the screen is not what is happening. */
 import { useEffect, useState } from "react";
-import { useView } from "../store/context";
+import { Button } from "@mantine/core";
+import { useStore, useView } from "../store/context";
+import type { CutOff } from "../store/mission";
 import { Icon } from "../theme/Icon";
-import { fixed } from "../units/units";
+import { clock, fixed } from "../units/units";
+import { hashOf } from "./route";
 import styles from "./TrustNotice.module.css";
 
 /** What the notice says while the connection is as it is. */
@@ -36,6 +39,23 @@ function RobotNotice() {
       <Icon sign="link" size={18} />
       <strong>{silent ? `The robot has been silent for ${fixed(age / 1000, 1)} s.` : `The robot's ${stream} is ${fixed(age / 1000, 1)} s old.`}</strong>
       <span>The service is live; what is shown of the robot is as it was last heard. STOP is still sent.</span>
+    </div>
+  );
+}
+
+/** A restart is no fault of the mission, but its run has ended in the middle. */
+function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
+  const store = useStore();
+  return (
+    <div className={styles.notice} data-tone="preparing" role="status">
+      <Icon sign="reset" size={18} />
+      <strong>The service was restarted.</strong>
+      <span>
+        Run <a href={hashOf({ page: "runs", item: cutOff.run })}>{cutOff.run}</a>, then {cutOff.phase}, was cut off at {clock(cutOff.time, 1)}.
+      </span>
+      <Button size="compact-xs" onClick={store.heedCutOff}>
+        Close
+      </Button>
     </div>
   );
 }
@@ -74,9 +94,11 @@ function ConnectingNotice() {
 export function TrustNotice() {
   const trust = useView((view) => view.trust);
   const robotSilent = useView((view) => view.robotAge > 0);
+  const cutOff = useView((view) => view.cutOff);
   const since = useView((view) => view.preparingSince);
   if (trust === "stale") return <StaleNotice />;
   if (trust === "live" && robotSilent) return <RobotNotice />;
+  if (trust === "live" && cutOff !== null) return <CutOffNotice cutOff={cutOff} />;
   if (trust === "preparing" && since !== null) return <PreparingNotice since={since} />;
   return trust === "connecting" ? <ConnectingNotice /> : null;
 }

@@ -16,7 +16,7 @@ const GAP = 0.1;
 const BACKFILL_PERIOD = 500;
 
 type Frame =
-  | { type: "hello"; service_time: number }
+  | { type: "hello"; service: string; service_time: number }
   | { type: "preparing" }
   | { type: "missed" }
   | ({ type: "history"; run_id: string } & Table)
@@ -160,7 +160,7 @@ class Connection {
         this.coming = { run: frame.run_id, events: [], history: null };
         break;
       case "hello":
-        this.sink.heard(frame.service_time);
+        this.sink.heard(frame.service, frame.service_time);
         break;
       case "preparing":
         break;

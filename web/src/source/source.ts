@@ -14,8 +14,8 @@ export interface Sink {
   /** A whole history: what is known of the mission up to now. */
   history(samples: readonly Sample[]): void;
   snapshot(snapshot: MissionSnapshot): void;
-  /** The service has stamped something by its own clock, in seconds, that came just now. */
-  heard(serviceTime: number): void;
+  /** A service, which a restart gives another name, has told the time by its own clock, in seconds, just now. */
+  heard(service: string, serviceTime: number): void;
   event(event: MissionEvent): void;
   /** Events were not sent, for this page was too slow; the library has them. */
   missed(): void;

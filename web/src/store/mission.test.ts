@@ -128,6 +128,26 @@ describe("what the panels get", () => {
     expect(store.read().events.map((known) => known.message)).toEqual(["earlier", "later"]);
   });
 
+  it("tells which run a restart of the service has cut off, and of no other", () => {
+    const store = storeAt({ now: 0 });
+    store.heard("one", 0);
+    store.snapshot({ ...snapshot(900, "detumbling"), run_id: "old" });
+    store.link({ state: "lost", attempt: 1, retryAt: 0 });
+    store.link({ state: "open" });
+    store.heard("one", 1);
+    store.reset();
+    expect(store.read().cutOff).toBeNull(); // somebody reset it while this page was away
+    store.snapshot({ ...snapshot(1200, "detumbling"), run_id: "older" });
+    store.link({ state: "lost", attempt: 1, retryAt: 0 });
+    store.link({ state: "open" });
+    store.heard("two", 2);
+    store.reset();
+    store.snapshot({ ...snapshot(1), run_id: "new" });
+    expect(store.read().cutOff).toEqual({ run: "older", phase: "detumbling", time: 1.2 });
+    store.heedCutOff();
+    expect(store.read().cutOff).toBeNull();
+  });
+
   it("forgets all of a mission that was reset", () => {
     const store = storeAt({ now: 0 });
     store.snapshot(snapshot(5));

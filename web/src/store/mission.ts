@@ -21,6 +21,14 @@ const SILENT_LOOKS = 3;
  */
 export type Trust = "connecting" | "preparing" | "live" | "stale";
 
+/** A run that a restart of the service ended. */
+export interface CutOff {
+  readonly run: string;
+  readonly phase: string;
+  /** Mission time of the last that was seen of it, seconds. */
+  readonly time: number;
+}
+
 export interface MissionView {
   readonly snapshot: MissionSnapshot | null;
   readonly link: Link;
@@ -35,6 +43,8 @@ export interface MissionView {
   readonly missed: number;
   /** Milliseconds to the next attempt to connect, rounded up to seconds; 0 if none is planned. */
   readonly retryIn: number;
+  /** Null once it has been read, or if there was none. */
+  readonly cutOff: CutOff | null;
   readonly events: readonly MissionEvent[];
   readonly health: Health | null;
   /** How long the service took to say so, milliseconds; null without an answer. */
@@ -52,6 +62,7 @@ const NOTHING: MissionView = {
   robotAge: 0,
   missed: 0,
   retryIn: 0,
+  cutOff: null,
   events: [],
   health: null,
   answerTime: null,
@@ -69,6 +80,9 @@ export class MissionStore implements Sink {
   private readonly clock = new ServiceClock();
   private publishedAt = -Infinity;
   private silentLooks = 0;
+  private service = "";
+  /** Whether another service than before speaks, of which no snapshot has come yet. */
+  private restarted = false;
   private readonly listeners = new Set<Listener>();
 
   constructor(private readonly now: () => number = () => performance.now()) {}
@@ -86,13 +100,16 @@ export class MissionStore implements Sink {
     const now = this.now();
     this.clock.arrived(snapshot.service_time, now);
     if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentLooks = 0;
+    this.restarted = false;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
     this.change({ snapshot }, changed || this.view.trust !== "live");
   }
 
-  heard(serviceTime: number): void {
+  heard(service: string, serviceTime: number): void {
+    this.restarted = this.service !== "" && service !== this.service;
+    this.service = service;
     this.clock.arrived(serviceTime, this.now());
   }
 
@@ -141,10 +158,19 @@ export class MissionStore implements Sink {
     this.change({ health, preparingSince, answerTime: health === null ? null : answerTime }, true);
   }
 
+  /** Another run; if another service flies it, a restart has cut the old one off. */
   reset(): void {
     this.series.clear();
-    this.change({ events: [] }, true);
+    const { snapshot } = { ...this.view, ...this.pending };
+    const flown = snapshot !== null && snapshot.outcome === null && snapshot.phase !== "idle";
+    const cutOff = this.restarted && flown ? { run: snapshot.run_id, phase: snapshot.phase, time: snapshot.time } : this.view.cutOff;
+    this.change({ events: [], cutOff }, true);
   }
+
+  /** The notice of the run that was cut off has been read. */
+  readonly heedCutOff = (): void => {
+    this.change({ cutOff: null }, true);
+  };
 
   /** Looks at the clock: what is shown may have grown old without anything happening. Called every tenth of a second. */
   readonly look = (): void => {

@@ -3,9 +3,6 @@
 export const PHASES = ["idle", "detumbling", "caging", "holding", "released", "stopped", "faulted"] as const;
 export type Phase = (typeof PHASES)[number];
 
-/** The sequence of a capture that goes as it should. */
-export const NOMINAL: readonly Phase[] = ["idle", "detumbling", "caging", "holding"];
-
 export const PHASE_WORDS: Readonly<Record<Phase, string>> = {
   idle: "Idle",
   detumbling: "Detumbling",

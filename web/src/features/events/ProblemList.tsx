@@ -1,16 +1,33 @@
-/** What is wrong now, and what to do about it; not there when nothing is. */
+/** What is wrong now, and what to do about it, in a place of its own that is always there, so that nothing jumps. */
 import { Panel } from "../../app/Panel";
+import { hashOf } from "../../app/route";
 import { useSnapshot } from "../../store/context";
 import { Icon, SEVERITY_SIGN } from "../../theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./ProblemList.module.css";
 
+const RUN = /(\d{8}T\d{9}-[0-9a-f]{6})/;
+
+/** A message whose runs can be opened. */
+function Message({ text }: { readonly text: string }) {
+  return (
+    <p>
+      {text.split(RUN).map((part, place) => (RUN.test(part) ? <a key={`${place} ${part}`} href={hashOf({ page: "runs", item: part })}>{part}</a> : part))}
+    </p>
+  );
+}
+
+function titleOf(count: number): string {
+  if (count === 0) return "Problems";
+  return count === 1 ? "1 problem" : `${count} problems`;
+}
+
 export function ProblemList() {
   const problems = useSnapshot((snapshot) => snapshot.problems) ?? [];
-  if (problems.length === 0) return null;
   return (
-    <Panel title={problems.length === 1 ? "1 problem" : `${problems.length} problems`} dated="service">
-      <ul className={styles.list} aria-live="polite">
+    <Panel title={titleOf(problems.length)} dated="service">
+      <ul className={styles.list} aria-live="polite" tabIndex={0} aria-label="Problems">
+        {problems.length === 0 && <li className={styles.none}>None now.</li>}
         {problems.map((problem) => (
           <li key={problem.title} className={styles.problem} data-severity={problem.severity}>
             <Icon sign={SEVERITY_SIGN[problem.severity]} size={16} />
@@ -18,7 +35,7 @@ export function ProblemList() {
               <h3>
                 {problem.title} <span>since {clock(problem.since, 1)}</span>
               </h3>
-              <p>{problem.message}</p>
+              <Message text={problem.message} />
               {problem.tip !== "" && <p className={styles.tip}>Tip: {problem.tip}</p>}
             </div>
           </li>

@@ -10,7 +10,7 @@ interface CellProps {
 /** A labelled readout of the strip; its width is fixed so that nothing jumps. */
 export function Cell({ label, width, children }: CellProps) {
   return (
-    <div className={styles.cell} style={{ minWidth: width }} role="group" aria-label={label}>
+    <div className={styles.cell} style={{ width }} role="group" aria-label={label}>
       <div className={styles.label}>{label}</div>
       {children}
     </div>

@@ -1,61 +1,48 @@
-/** The sequence from idle to holding: what is done, what is under way, what will come. */
-import { useSnapshot, useStore } from "../../store/context";
-import { isPhase, NOMINAL, PHASE_WORDS, type Phase } from "../../store/phases";
-import type { PhaseSpan } from "../../store/series";
+/** The sequence from idle to holding: what is done, what failed or was skipped, what is under way, what will come. */
+import { Tooltip } from "@mantine/core";
+import type { MissionSnapshot } from "../../api/types";
+import { useSnapshot } from "../../store/context";
+import { isPhase, PHASE_WORDS, type Phase } from "../../store/phases";
 import { Icon, type Sign } from "../../theme/Icon";
 import { fixed } from "../../units/units";
 import styles from "./PhaseTimeline.module.css";
 
-type State = "done" | "now" | "ahead";
+type Stage = MissionSnapshot["stages"][number];
 
-interface Stage {
-  readonly phase: Phase;
-  readonly state: State;
-  /** Time spent in it; null if it was not entered. */
-  readonly lasted: number | null;
-}
-
-/** Stages as a person reads them: the nominal sequence, and after it whatever took its place. */
-export function stagesOf(spans: readonly PhaseSpan[], phase: Phase | null): Stage[] {
-  const nominal = phase === null || NOMINAL.includes(phase);
-  const order: readonly Phase[] = nominal ? NOMINAL : [...NOMINAL, phase];
-  const place = phase === null ? -1 : order.indexOf(phase);
-  return order.map((stage, index) => {
-    const lasted = spans.filter((span) => span.phase === stage).reduce((sum, span) => sum + span.end - span.start, 0);
-    const entered = spans.some((span) => span.phase === stage);
-    const passed = entered || (nominal && index < place);
-    return { phase: stage, state: stage === phase ? "now" : passed ? "done" : "ahead", lasted: entered ? lasted : null };
-  });
-}
-
+const ENDED: Readonly<Partial<Record<Stage["state"], Sign>>> = { done: "check", failed: "cross", skipped: "bar" };
 const OFF_NOMINAL: Readonly<Partial<Record<Phase, Sign>>> = { stopped: "stop", faulted: "error", released: "follow" };
 
+function signOf({ phase, state }: Stage): Sign | null {
+  if (state === "now") return (isPhase(phase) ? OFF_NOMINAL[phase] : undefined) ?? "play";
+  return ENDED[state] ?? null;
+}
+
 function StageItem({ stage, activity }: { readonly stage: Stage; readonly activity: string }) {
+  const sign = signOf(stage);
   const detail = stage.state === "now" && activity !== "none" ? activity : null;
   return (
-    <li className={styles.stage} data-state={stage.state} data-phase={stage.phase} aria-current={stage.state === "now" ? "step" : undefined}>
-      <span className={styles.name}>
-        {stage.state === "done" && <Icon sign="check" size={12} />}
-        {stage.state === "now" && <Icon sign={OFF_NOMINAL[stage.phase] ?? "play"} size={10} />}
-        {PHASE_WORDS[stage.phase]}
-      </span>
-      <span className={styles.detail}>
-        {detail} {stage.lasted !== null && <span className={styles.lasted}>{fixed(stage.lasted, 1)} s</span>}
-      </span>
-    </li>
+    <Tooltip label={`${stage.state}: ${stage.why}`} disabled={stage.why === ""} position="bottom">
+      <li className={styles.stage} data-state={stage.state} data-phase={stage.phase} aria-current={stage.state === "now" ? "step" : undefined}>
+        <span className={styles.name}>
+          {sign !== null && <Icon sign={sign} size={stage.state === "now" ? 10 : 12} />}
+          {isPhase(stage.phase) ? PHASE_WORDS[stage.phase] : stage.phase}
+          {stage.state !== "now" && <span className="visually-hidden">{stage.state === "ahead" ? "not yet" : `${stage.state} ${stage.why}`}</span>}
+        </span>
+        <span className={styles.detail}>
+          {stage.state === "failed" || stage.state === "skipped" ? stage.state : detail}{" "}
+          {stage.lasted !== null && <span className={styles.lasted}>{fixed(stage.lasted, 1)} s</span>}
+        </span>
+      </li>
+    </Tooltip>
   );
 }
 
 export function PhaseTimeline() {
-  const store = useStore();
-  const word = useSnapshot((snapshot) => snapshot.phase) ?? "";
+  const stages = useSnapshot((snapshot) => snapshot.stages) ?? [];
   const activity = useSnapshot((snapshot) => snapshot.activity) ?? "none";
-  // The time in the present phase grows by a tenth of a second at a time.
-  useSnapshot((snapshot) => Math.floor(snapshot.time * 10));
-  const phase = isPhase(word) ? word : null;
   return (
     <ol className={styles.timeline} aria-label="Phases">
-      {stagesOf(store.series.phaseSpans(), phase).map((stage) => (
+      {stages.map((stage) => (
         <StageItem key={stage.phase} stage={stage} activity={activity} />
       ))}
     </ol>

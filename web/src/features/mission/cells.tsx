@@ -1,7 +1,9 @@
 /** The strip's smaller readouts. */
 import { Tooltip } from "@mantine/core";
+import type { MissionSnapshot } from "../../api/types";
+import { Term } from "../../app/Term";
 import { useSnapshot } from "../../store/context";
-import { Icon } from "../../theme/Icon";
+import { Icon, type Sign } from "../../theme/Icon";
 import { fixed, MILLIMETRES, MILLIMETRES_PER_SECOND } from "../../units/units";
 import { Cell, Reading, Remark } from "./Cell";
 import styles from "./cells.module.css";
@@ -9,7 +11,7 @@ import styles from "./cells.module.css";
 export function DriftCell() {
   const drift = useSnapshot((snapshot) => snapshot.drift) ?? Number.NaN;
   return (
-    <Cell label="Target drift" width={104}>
+    <Cell label="Target drift" width={118}>
       <Reading value={fixed(drift * MILLIMETRES_PER_SECOND.factor, 1)} unit={MILLIMETRES_PER_SECOND.unit} />
     </Cell>
   );
@@ -30,16 +32,19 @@ function Hand({ arm }: HandProps) {
     <div className={styles.hand} data-arm={arm} data-touching={touching || undefined}>
       <span className={styles.sign}>{name.charAt(0)}</span>
       <span className="visually-hidden">{`${name} hand ${touching ? "touches" : "is free"}`}</span>
-      <span className={styles.force}>{touching ? fixed(force, 2) : freeWords(contact)}</span>
+      <span className={styles.force}>{touching ? forceWords(force) : freeWords(contact)}</span>
       {touching && <span className={styles.unit}>N</span>}
     </div>
   );
 }
 
+/** Of a touch, whose force is never nothing. */
+export const forceWords = (force: number): string => (force < 0.01 ? "< 0.01" : fixed(force, 2));
+
 export function ContactCell() {
   const peak = useSnapshot((snapshot) => snapshot.peak_tip_force) ?? Number.NaN;
   return (
-    <Cell label="Contact" width={172}>
+    <Cell label="Contact" width={190}>
       <div className={styles.hands}>
         <Hand arm="left" />
         <Hand arm="right" />
@@ -59,32 +64,48 @@ export function CageCell() {
   const closed = useSnapshot((snapshot) => snapshot.cage_closed);
   const margin = useSnapshot((snapshot) => snapshot.cage_margin);
   return (
-    <Cell label="Cage" width={112}>
+    <Cell label="Cage" width={118}>
       <div className={styles.word}>
         {margin !== null && <Icon sign="lock" size={16} />}
         {cageWords(closed, margin)}
       </div>
-      <Remark>{margin === null ? "margin —" : `margin ${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
+      <Remark><Term of="cage_margin">margin</Term> {margin === null ? "—" : `${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
     </Cell>
   );
 }
 
-const goWords = (go: boolean): string => (go ? "Go" : "No go");
+type Readiness = MissionSnapshot["readiness"];
+
+/** Unmet first: they are what is waited for. */
+export function reasonsOf(readiness: Readiness): readonly { readonly sign: Sign; readonly words: string }[] {
+  const conditions = [...readiness.conditions]
+    .sort((one, other) => Number(one.met) - Number(other.met))
+    .map(({ met, words }) => ({ sign: met ? ("check" as const) : ("cross" as const), words }));
+  return readiness.blocked === null ? conditions : [{ sign: "bar", words: readiness.blocked }, ...conditions];
+}
+
+export function goWords({ go, blocked }: Readiness): string {
+  if (blocked !== null) return "Blocked";
+  return go ? "Go" : "No go";
+}
 
 export function NextCell() {
   const readiness = useSnapshot((snapshot) => snapshot.readiness);
-  const reasons = readiness?.reasons ?? [];
+  const reasons = readiness === null ? [] : reasonsOf(readiness);
   const go = readiness?.go ?? false;
   return (
-    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={224}>
+    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={236}>
       <div className={styles.go} data-go={go || undefined}>
         {readiness && <Icon sign={go ? "check" : "bar"} size={16} />}
-        {readiness ? goWords(go) : "—"}
+        {readiness ? goWords(readiness) : "—"}
       </div>
-      <Tooltip label={reasons.join("; ")} disabled={reasons.length < 2}>
+      <Tooltip label={reasons.map(({ words }) => words).join("; ")} disabled={reasons.length === 0} position="bottom">
         <ul className={styles.reasons}>
-          {reasons.slice(0, 2).map((reason) => (
-            <li key={reason}>{reason}</li>
+          {reasons.slice(0, 2).map(({ sign, words }) => (
+            <li key={words} data-sign={sign}>
+              <Icon sign={sign} size={11} /> <span className="visually-hidden">{sign === "check" ? "met:" : "unmet:"}</span>
+              <span>{words}</span>
+            </li>
           ))}
         </ul>
       </Tooltip>

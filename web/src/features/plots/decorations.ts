@@ -119,7 +119,7 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
   ctx.textBaseline = "bottom";
   for (const touch of touches) {
     const left = plot.valToPos(touch.start, "x", true);
-    const right = plot.valToPos(touch.end ?? plot.scales["x"]?.max ?? touch.start, "x", true);
+    const right = plot.valToPos(touch.end ?? plot.data[0].at(-1) ?? touch.start, "x", true);
     ctx.fillStyle = colours.of(touch.arm);
     ctx.fillRect(left, bottom - 4 * ratio, Math.max(2 * ratio, right - left), 4 * ratio);
     ctx.globalAlpha = 0.45;

@@ -1,6 +1,7 @@
 /** This run: its touches while it flies, how it ended, and its log to take away. */
 import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
+import { Term } from "../../app/Term";
 import { hashOf } from "../../app/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
@@ -26,22 +27,32 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
       <h3 className={styles.headline}>
         <Icon sign={SIGNS[verdict.tone]} size={18} /> {verdict.headline}
       </h3>
-      <p>{verdict.meaning}</p>
+      <p>
+        {verdict.meaning} {outcome.at_locked_arms.startsWith("caged_force") && <Term of="force_reduced">Against what?</Term>}
+      </p>
       <dl className={styles.figures}>
         <div>
-          <dt>Peak to closure</dt>
+          <dt>
+            <Term of="peak_to_closure">Peak to closure</Term>
+          </dt>
           <dd>{fixed(outcome.peak_tip_force_to_closure, 3)} N</dd>
         </div>
         <div>
-          <dt>Peak to locked arms</dt>
+          <dt>
+            <Term of="peak_to_locked">Peak to locked arms</Term>
+          </dt>
           <dd>{fixed(outcome.peak_tip_force, 3)} N</dd>
         </div>
         <div>
-          <dt>Cage margin</dt>
+          <dt>
+            <Term of="cage_margin">Cage margin</Term>
+          </dt>
           <dd>{margin(outcome)}</dd>
         </div>
         <div>
-          <dt>Closed at</dt>
+          <dt>
+            <Term of="closed_at">Closed at</Term>
+          </dt>
           <dd>{closed}</dd>
         </div>
       </dl>

@@ -1,4 +1,5 @@
 import type { Touch } from "../../api/types";
+import { GLOSSARY } from "../../app/glossary";
 import { Icon } from "../../theme/Icon";
 import { clock, fixed } from "../../units/units";
 import styles from "./TouchTable.module.css";
@@ -15,7 +16,7 @@ function Row({ touch }: { readonly touch: Touch }) {
         </span>
         {NAMES[touch.arm]}
         {!touch.planned && (
-          <span className={styles.unplanned} title="A plan was still running when this touch began">
+          <span className={styles.unplanned} title={GLOSSARY.unplanned}>
             <Icon sign="warning" size={12} />
             <span className="visually-hidden">unplanned</span>
           </span>
@@ -36,7 +37,7 @@ export function TouchTable({ touches }: { readonly touches: readonly Touch[] }) 
       <table className={styles.table}>
         <thead>
           <tr>
-            <th scope="col">Touch</th>
+            <th scope="col">{touches.length === 1 ? "1 touch" : `${touches.length} touches`}</th>
             <th scope="col">at</th>
             <th scope="col">for</th>
             <th scope="col">peak</th>

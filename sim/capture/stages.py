@@ -1,0 +1,94 @@
+"""The sequence as a mission goes through it: which phases are done, which failed, which were never flown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence as Ordered
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from sim.capture.events import Ticks, verdict_in_words
+from sim.capture.snapshot import Outcome, Stage
+from sim.control.phases import Phase
+
+NOMINAL = (Phase.IDLE, Phase.DETUMBLING, Phase.CAGING, Phase.HOLDING)
+"""A capture that goes as it should."""
+
+_OFF = (Phase.STOPPED, Phase.FAULTED)
+
+
+class Visit(NamedTuple):
+    """A stretch of time in one phase, and how things stood in its last tick."""
+
+    phase: Phase
+    start: float
+    """[s]"""
+    end: float
+    """[s]"""
+    slow: bool
+    """Whether the spin was under its threshold."""
+    closed: bool
+    """Whether the tips enclosed the target."""
+
+
+def visits_after(visits: Ordered[Visit], ticks: Ticks, spin_threshold: float) -> list[Visit]:
+    """The visits, with consecutive ticks after them; `spin_threshold` in rad/s."""
+    known = list(visits)
+    phases = ticks["phase"]
+    starts = [0, *(np.flatnonzero(phases[1:] != phases[:-1]) + 1).tolist(), len(ticks)]
+    for start, end in pairwise(starts):
+        visit = _visit(ticks[start], ticks[end - 1], spin_threshold)
+        if known and known[-1].phase is visit.phase:
+            visit = visit._replace(start=known.pop().start)
+        elif known:
+            known[-1] = known[-1]._replace(end=visit.start)
+        known.append(visit)
+    return known
+
+
+def _visit(first: Any, last: Any, spin_threshold: float) -> Visit:
+    slow = abs(float(last["target_twist"][2])) < spin_threshold
+    return Visit(Phase(int(first["phase"])), float(first["time"]), float(last["time"]), slow, bool(last["closed"]))
+
+
+def stages(visits: Ordered[Visit], phase: Phase, outcome: Outcome | None) -> list[Stage]:
+    """Each nominal phase, and the present one after them if it is none of these."""
+    order = NOMINAL if phase in NOMINAL else (*NOMINAL, phase)
+    found = [_stage(each, visits, phase, outcome) for each in order]
+    reached = max((place for place, stage in enumerate(found) if stage.state != "ahead"), default=0)
+    over = phase in _OFF or (outcome is not None and not outcome.caged)
+    return [
+        stage.model_copy(update={"state": "skipped", "why": "it was not flown"})
+        if stage.state == "ahead" and (place < reached or over)
+        else stage
+        for place, stage in enumerate(found)
+    ]
+
+
+def _stage(phase: Phase, visits: Ordered[Visit], present: Phase, outcome: Outcome | None) -> Stage:
+    places = [place for place, visit in enumerate(visits) if visit.phase is phase]
+    lasted = sum(visits[place].end - visits[place].start for place in places) if places else None
+    if phase is present:
+        return Stage(phase=phase.label, state="now", why="", lasted=lasted or 0.0)
+    if not places:
+        return Stage(phase=phase.label, state="ahead", why="", lasted=None)
+    last = places[-1]
+    following = visits[last + 1].phase if last + 1 < len(visits) else present
+    why = _failure(visits[last], following, outcome)
+    state: Literal["done", "failed"] = "failed" if why else "done"
+    return Stage(phase=phase.label, state=state, why=why, lasted=lasted)
+
+
+def _failure(visit: Visit, following: Phase, outcome: Outcome | None) -> str:
+    """Why a phase that was left had not reached what it is for; empty if it had."""
+    if visit.phase not in (Phase.DETUMBLING, Phase.CAGING):
+        return ""
+    judged = outcome is not None and not outcome.caged
+    if visit.phase is Phase.CAGING and judged and outcome is not None:
+        return verdict_in_words(outcome)
+    if following in _OFF:
+        return "stopped before it was done" if following is Phase.STOPPED else "a fault ended it"
+    if visit.phase is Phase.DETUMBLING:
+        return "" if visit.slow else "the spin was still over its threshold"
+    return "" if visit.closed else "the tips did not enclose the target"
