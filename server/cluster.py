@@ -7,7 +7,12 @@ runs other code than this process is refused, since rows of two versions must no
 
 from __future__ import annotations
 
+import importlib
 import re
+import socket
+import struct
+import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future
 from functools import partial
@@ -24,8 +29,13 @@ if TYPE_CHECKING:
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
+_LENGTH = struct.Struct("<Q")
+
 CONNECTING_TIME = 10.0
 """For the scheduler to answer, and again for a worker to be there [s]."""
+
+LARGEST_GREETING = 100_000
+"""Bytes of the first message of a Dask scheduler, which has some hundred; other programs seem to announce more."""
 
 CONNECTED = "running"
 """Dask's word for a client that has its scheduler."""
@@ -41,9 +51,38 @@ def cluster_workers(scheduler: str) -> Workers:
     """
     if not re.match(SCHEDULER_ADDRESS, scheduler):
         raise ConfigError(f"scheduler = {scheduler!r} is no address of a Dask scheduler; write tcp://HOST:8786")
+    _require_dask()
+    threads = _in_time(scheduler, lambda: _threads(scheduler))
+    opened = partial(_in_time, scheduler, partial(ClusterExecutor, scheduler))
+    return Workers(opened, threads, f"{threads} threads of the cluster at {scheduler}")
+
+
+def _threads(scheduler: str) -> int:
     with ClusterExecutor(scheduler) as executor:
-        threads = executor.threads
-    return Workers(partial(ClusterExecutor, scheduler), threads, f"{threads} threads of the cluster at {scheduler}")
+        return executor.threads
+
+
+def _in_time(scheduler: str, ask: Callable[[], _R]) -> _R:
+    """What the cluster answers, unless it falls silent on the way: Dask itself would wait for ever.
+
+    Raises:
+        WorkersUnavailable: it says nothing more, or it cannot do what it is asked.
+
+    """
+    answer: Future[_R] = Future()
+
+    def wait_for_it() -> None:
+        try:
+            answer.set_result(ask())
+        except BaseException as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=wait_for_it, name="becalm-cluster", daemon=True).start()
+    try:
+        return answer.result(3 * CONNECTING_TIME)
+    except TimeoutError:
+        tip = "see whether the scheduler and its workers still run, and start them anew"
+        raise WorkersUnavailable(f"the Dask cluster at {scheduler} has fallen silent", tip=tip) from None
 
 
 class ClusterExecutor(Executor):
@@ -100,17 +139,52 @@ class ClusterExecutor(Executor):
                 raise _other_code(worker, code)
 
 
-def _connected(scheduler: str) -> Client:
+def _require_dask() -> None:
     try:
-        from distributed import Client  # noqa: PLC0415 - an extra, and a second to load
+        importlib.import_module("distributed")  # an extra, and a second to load
     except ImportError:
         tip = "install it with: pip install 'becalm[cluster]'"
         raise WorkersUnavailable("Dask is not installed", tip=tip) from None
+
+
+def _connected(scheduler: str) -> Client:
+    from distributed import Client  # noqa: PLC0415 - see `_require_dask`
+
     try:
+        _require_greeting(scheduler)
         return Client(scheduler, timeout=CONNECTING_TIME, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
+    except (OSError, TimeoutError, ValueError, MemoryError) as error:
         tip = "start one (dask scheduler), or see whether its address and port are right"
         raise WorkersUnavailable(f"no Dask scheduler answers at {scheduler} ({error})", tip=tip) from None
+
+
+def _require_greeting(scheduler: str) -> None:
+    """See that what listens there greets as a Dask scheduler does, which speaks first.
+
+    Dask's own client believes whatever length it is told: the first letters of a web server's answer are 10^18 bytes.
+
+    Raises:
+        OSError: nothing listens there, it says nothing in time, or it is something else.
+
+    """
+    kind, _, place = scheduler.partition("://")
+    if kind != "tcp":
+        return  # encrypted or over HTTP: the handshake before is a check of its own
+    host, _, port = place.rpartition(":")
+    until = time.monotonic() + CONNECTING_TIME
+    with socket.create_connection((host.strip("[]"), int(port)), CONNECTING_TIME) as connection:
+        greeting = b""
+        while len(greeting) < _LENGTH.size:
+            connection.settimeout(max(until - time.monotonic(), 0.001))
+            try:
+                piece = connection.recv(_LENGTH.size - len(greeting))
+            except TimeoutError:
+                raise OSError(f"it accepts connections, but has said nothing for {CONNECTING_TIME:g} s") from None
+            if not piece:
+                raise OSError("it closes the connection without a word")
+            greeting += piece
+    if _LENGTH.unpack(greeting)[0] > LARGEST_GREETING:
+        raise OSError(f"something else answers there, with {greeting!r}")
 
 
 def _worker_code() -> tuple[str, ...]:

@@ -33,6 +33,9 @@ from sim.study.run import CellTask, Row, failed_row, fly_cell
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
+LOOKING_UP = 0.5
+"""Between two looks whether a study that makes no progress is still wanted [s]."""
+
 OpenExecutor = Callable[[], Executor]
 """Gives a fresh executor; called again when one has broken."""
 
@@ -101,7 +104,12 @@ def _end_with_parent() -> None:
 
 
 def fly_cells(
-    tasks: Iterable[CellTask], keep: Callable[[Row], None], open_executor: OpenExecutor, *, at_once: int
+    tasks: Iterable[CellTask],
+    keep: Callable[[Row], None],
+    open_executor: OpenExecutor,
+    *,
+    at_once: int,
+    gives_up: Callable[[], bool] = lambda: False,
 ) -> None:
     """Fly cells and hand each row over as it comes, in the order in which they end.
 
@@ -110,13 +118,14 @@ def fly_cells(
         keep: called in this thread, once with the row of every cell; what it raises ends the study.
         open_executor: see `OpenExecutor`; whatever it gives is shut down in the end.
         at_once: cells handed to the executor at a time; twice its workers keeps them busy.
+        gives_up: asked now and then while nothing comes; true ends it all without the cells in flight.
 
     Raises:
         WorkersUnavailable: the executor has no worker that could fly a cell.
         KeyboardInterrupt: after the cells in flight have ended and their rows were kept.
 
     """
-    crew = _Crew(keep, open_executor)
+    crew = _Crew(keep, open_executor, gives_up)
     try:
         for task in tasks:
             crew.submit(task)
@@ -124,6 +133,8 @@ def fly_cells(
                 crew.collect()
         while crew.in_flight:
             crew.collect()
+    except _GivenUp:
+        return
     except KeyboardInterrupt:
         crew.land()
         raise
@@ -131,11 +142,16 @@ def fly_cells(
         crew.dismiss()
 
 
+class _GivenUp(Exception):
+    """Nobody waits any longer for the cells in flight."""
+
+
 class _Crew:
     """An executor, opened anew when it breaks, and the cells that are with it."""
 
-    def __init__(self, keep: Callable[[Row], None], open_executor: OpenExecutor) -> None:
+    def __init__(self, keep: Callable[[Row], None], open_executor: OpenExecutor, gives_up: Callable[[], bool]) -> None:
         self._keep = keep
+        self._gives_up = gives_up
         self._open = open_executor
         self._flying: dict[Future[Row], CellTask] = {}
         self._executor = open_executor()
@@ -161,8 +177,10 @@ class _Crew:
             self._recover([task])
 
     def collect(self) -> None:
-        """Keep what has ended since the last call; waits until something has."""
-        ended, _ = wait(self._flying, return_when=FIRST_COMPLETED)
+        """Keep what has ended since the last call; waits until something has, or nobody waits for it any longer."""
+        while not (ended := wait(self._flying, LOOKING_UP, FIRST_COMPLETED).done):
+            if self._gives_up():
+                raise _GivenUp
         lost = self._kept(ended)
         if lost:
             self._recover(lost)

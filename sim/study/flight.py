@@ -20,6 +20,9 @@ from sim.study.table import StudyTable
 MANY_CELLS = 10_000
 """Cells from which on a study is flown only if that is confirmed."""
 
+LANDING_TIME = 10.0
+"""After somebody asked for the end: time in which the cells in flight may still end [s]; a lost cluster has none."""
+
 TRIAL_CELLS = 6
 """Flown to estimate how long a study takes."""
 
@@ -45,6 +48,7 @@ class Flight:
         self._began = time.perf_counter()
         self._ended: float | None = None
         self._simulated_time = 0.0
+        self._asked_to_end: float | None = None
 
     @property
     def progress(self) -> Progress:
@@ -82,9 +86,16 @@ class Flight:
                 on_row(row)
 
         try:
-            fly_cells(self._tasks(), keep, workers.open_executor, at_once=2 * workers.count)
+            fly_cells(self._tasks(), keep, workers.open_executor, at_once=2 * workers.count, gives_up=self._gives_up)
         finally:
             self._ended = time.perf_counter()
+
+    def _gives_up(self) -> bool:
+        """Whether somebody asked for the end so long ago that what is in flight is not waited for any more."""
+        if not self._cancelled.is_set():
+            return False
+        self._asked_to_end = self._asked_to_end or time.perf_counter()
+        return time.perf_counter() - self._asked_to_end > LANDING_TIME
 
     def _tasks(self) -> Iterator[CellTask]:
         study = self._table.study

@@ -152,3 +152,21 @@ def test_what_keep_raises_ends_the_study():
 
 def test_there_is_a_core():
     assert cores() >= 1
+
+
+def test_a_study_that_makes_no_progress_ends_when_nobody_waits_for_it():
+    """A cluster that has fallen silent: nothing ever ends, and to wait for it would be for ever."""
+
+    class Silent(Executor):
+        def submit(self, *_, **__) -> Future:
+            future: Future = Future()
+            future.set_running_or_notify_cancel()
+            return future
+
+        def shutdown(self, wait: bool = True, **_) -> None:
+            assert not wait
+
+    asked = []
+    rows: list = []
+    fly_cells(TASKS, rows.append, Silent, at_once=2, gives_up=lambda: asked.append(0) or len(asked) == 2)
+    assert (rows, len(asked)) == ([], 2)
