@@ -22,7 +22,7 @@ _DARK_ABOVE = 0.55  # of the colour map: signs on darker cells are white
 
 
 def beside_published(rows: Sequence[Row]) -> Figure:
-    """Ours above, the paper's below where it is at hand; cells that differ are framed."""
+    """Ours above, the paper's below where Becalm has it; cells that differ are framed."""
     masses = _levels(rows, MASS)
     printed = published_classes()
     ours = {impedance_of(row): str(row["at_first_closure"]) for row in rows}
@@ -35,7 +35,7 @@ def beside_published(rows: Sequence[Row]) -> Figure:
         theirs = {place: printed[place] for place in ours if place.mass == mass and place in printed}
         _lay_out(below, rows, "", outer=column == 0, lowest=True)
         if not theirs:
-            below.text(0.5, 0.5, "not at hand", transform=below.transAxes, ha="center", color=GREY, fontsize=7.5)
+            below.text(0.5, 0.5, "no published table", transform=below.transAxes, ha="center", color=GREY, fontsize=7.5)
         _classes(below, theirs, mass)
         for place, printed_class in theirs.items():
             if ours[place] != printed_class:

@@ -170,7 +170,7 @@ def unknown_token(access: Access, scope: Scope) -> Refusal:
     """Of a token that is none: 401, or 429 for an address that tries one after another. In the event loop only."""
     wait = access.attempts.failed(address_of(scope))
     if wait is None:
-        detail = "that token is not known, has expired or was revoked"
+        detail = "this token is unknown, has expired or was revoked"
         return Refusal(401, "Not signed in", detail, "becalm token create makes one", _CHALLENGE)
     seconds = str(max(1, round(wait)))
     detail = f"too many tokens that are none from this address; try again in {seconds} s"

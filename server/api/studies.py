@@ -177,7 +177,7 @@ class PublishedCell(BaseModel):
 
 
 class PublishedTables(BaseModel):
-    """The tables of the paper's parametric study that are at hand."""
+    """The tables of the paper's parametric study that Becalm has."""
 
     source: str
     paths: list[str] = Field(description="Parameters of mass, damping and stiffness, in this order")

@@ -28,7 +28,7 @@ def test_a_viewer_signs_in_sees_stops_and_signs_out(browser: Browser, tmp_path: 
         field = page.get_by_label("Access token")
         field.fill("a guess")
         page.get_by_role("button", name="Sign in").click()
-        expect(page.get_by_text("is not known, has expired or was revoked")).to_be_visible()
+        expect(page.get_by_text("is unknown, has expired or was revoked")).to_be_visible()
         ARTIFACTS.mkdir(exist_ok=True)
         page.screenshot(path=ARTIFACTS / "sign-in.png")
         field.fill(secret)

@@ -143,7 +143,7 @@ export function LibraryPage({ item, other, shown }: { readonly item: string; rea
           }}
         />
         {refusal !== null && <p className={styles.hint} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
-        {read && runs.length === 0 && <p className={styles.hint}>No run fits. A capture, here or over REST, makes one.</p>}
+        {read && runs.length === 0 && <p className={styles.hint}>No run matches. Every capture that is flown, here or over REST, is kept as one.</p>}
         <ul className={styles.list} aria-label="Runs">
           {runs.map((run) => (
             <Item key={run.id} run={run} open={item} other={other} />

@@ -20,7 +20,7 @@ import { span } from "./words";
 
 function progressWords({ status, progress, note }: StudySummary): string {
   const cells = `${progress.done} of ${progress.total} cells`;
-  if (status === "queued") return `waits, ${cells}`;
+  if (status === "queued") return `waiting, ${cells}`;
   if (status === "running") {
     const left = typeof progress.time_left === "number" ? `, ${span(progress.time_left)} left` : "";
     return `${cells}${left}`;
