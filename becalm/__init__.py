@@ -22,7 +22,7 @@ from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revise
 from sim.errors import CaptureError, ConfigError, MissionRefused, PlantDiverged, RunNotFound
 
 if TYPE_CHECKING:
-    from becalm.calls import ServiceRefused, ServiceUnreachable
+    from becalm.calls import ProxyUnusable, ServiceRefused, ServiceUnreachable
     from becalm.client import AsyncClient, Client
 
 __version__ = becalm_version()
@@ -38,6 +38,7 @@ __all__ = [
     "Outcome",
     "OutcomeClass",
     "PlantDiverged",
+    "ProxyUnusable",
     "RunNotFound",
     "RunResult",
     "ServiceRefused",
@@ -52,7 +53,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """The client, when it is asked for: what it needs takes half a second to load."""
-    if name in ("AsyncClient", "Client", "ServiceRefused", "ServiceUnreachable"):
+    if name in ("AsyncClient", "Client", "ProxyUnusable", "ServiceRefused", "ServiceUnreachable"):
         from becalm import calls, client  # noqa: PLC0415
 
         return getattr(client if name.endswith("Client") else calls, name)

@@ -52,6 +52,15 @@ class ServiceUnreachable(CaptureError):
         super().__init__(what, tip="becalm serve starts a service; BECALM_ADDRESS says where it is")
 
 
+class ProxyUnusable(CaptureError):
+    """The environment names a proxy that the client cannot go through."""
+
+    def __init__(self, cause: Exception) -> None:
+        what = f"the proxy that the environment names cannot be used ({cause})"
+        tip = "unset HTTP_PROXY, HTTPS_PROXY and ALL_PROXY, or name the service's host in NO_PROXY"
+        super().__init__(what, tip=tip)
+
+
 @dataclass(frozen=True)
 class Call(Generic[T]):
     """One request, and how its answer is read."""

@@ -11,6 +11,8 @@ with becalm.Client() as service:
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import ipaddress
 import json
 import os
 import time
@@ -18,16 +20,16 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mappin
 from functools import update_wrapper
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Concatenate, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, Literal, ParamSpec, Self, TypeVar
 from urllib.parse import urlencode
 
 import httpx
 from websockets.asyncio.client import connect as connect_async
-from websockets.exceptions import InvalidStatus, WebSocketException
+from websockets.exceptions import InvalidProxy, InvalidStatus, WebSocketException
 from websockets.sync.client import connect
 
 from becalm import calls
-from becalm.calls import Call, ServiceRefused, ServiceUnreachable, read_answer
+from becalm.calls import Call, ProxyUnusable, ServiceRefused, ServiceUnreachable, read_answer
 from server.api.config import ConfigBody
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
@@ -62,8 +64,36 @@ class _Place:
     def api(self) -> str:
         return f"{self.address}/api/v1/"
 
+    @property
+    def is_here(self) -> bool:
+        """Whether the service is on this machine, so that no proxy leads there."""
+        host = httpx.URL(self.address).host
+        try:
+            return ipaddress.ip_address(host).is_loopback
+        except ValueError:
+            return host == "localhost" or host.endswith(".localhost")
+
+    @property
+    def proxy(self) -> Literal[True] | None:
+        """Of telemetry: the environment's, or none."""
+        return None if self.is_here else True
+
     def telemetry(self, rate: float) -> str:
         return f"ws{self.api.removeprefix('http')}telemetry?{urlencode({'rate': rate})}"
+
+
+@contextlib.contextmanager
+def _usable_proxy() -> Iterator[None]:
+    """Says what is wrong with a proxy, which the libraries do in words about packages and schemes.
+
+    Raises:
+        ProxyUnusable: the environment names one that cannot be used.
+
+    """
+    try:
+        yield
+    except (ImportError, ValueError, httpx.InvalidURL, InvalidProxy) as error:
+        raise ProxyUnusable(error) from None
 
 
 def _snapshot(frame: str | bytes) -> MissionSnapshot | None:
@@ -81,6 +111,8 @@ def _acknowledgement(snapshot: MissionSnapshot) -> str:
 
 def _failure(place: _Place, error: Exception) -> CaptureError:
     """Why there is no telemetry."""
+    if isinstance(error, ImportError | InvalidProxy):
+        return ProxyUnusable(error)
     if isinstance(error, InvalidStatus):
         return ServiceRefused(error.response.status_code, bytes(error.response.body))
     return ServiceUnreachable(place.address, error)
@@ -150,7 +182,12 @@ class Client:
 
         """
         self._place = _Place(address, token)
-        self._http = httpx.Client(base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE)
+        # A client with a transport of its own asks no proxy, but keeps the environment's certificates.
+        transport = httpx.HTTPTransport() if self._place.is_here else None
+        with _usable_proxy():
+            self._http = httpx.Client(
+                base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE, transport=transport
+            )
 
     def __enter__(self) -> Self:
         return self
@@ -208,7 +245,10 @@ class Client:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
         try:
             with connect(
-                self._place.telemetry(rate), additional_headers=self._place.headers, max_size=None
+                self._place.telemetry(rate),
+                additional_headers=self._place.headers,
+                max_size=None,
+                proxy=self._place.proxy,
             ) as telemetry:
                 for frame in telemetry:
                     snapshot = _snapshot(frame)
@@ -217,7 +257,7 @@ class Client:
                         if snapshot.outcome is not None:
                             return
                         telemetry.send(_acknowledgement(snapshot))
-        except (OSError, WebSocketException) as error:
+        except (OSError, ImportError, WebSocketException) as error:
             raise _failure(self._place, error) from None
 
     def runs(self, **filters: Any) -> Iterator[RunSummary]:
@@ -283,7 +323,11 @@ class AsyncClient:
     def __init__(self, address: str | None = None, token: str | None = None) -> None:
         """Connect to nothing yet; see `Client`."""
         self._place = _Place(address, token)
-        self._http = httpx.AsyncClient(base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE)
+        transport = httpx.AsyncHTTPTransport() if self._place.is_here else None
+        with _usable_proxy():
+            self._http = httpx.AsyncClient(
+                base_url=self._place.api, headers=self._place.headers, timeout=PATIENCE, transport=transport
+            )
 
     async def __aenter__(self) -> Self:
         return self
@@ -343,7 +387,10 @@ class AsyncClient:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
         try:
             async with connect_async(
-                self._place.telemetry(rate), additional_headers=self._place.headers, max_size=None
+                self._place.telemetry(rate),
+                additional_headers=self._place.headers,
+                max_size=None,
+                proxy=self._place.proxy,
             ) as telemetry:
                 async for frame in telemetry:
                     snapshot = _snapshot(frame)
@@ -352,7 +399,7 @@ class AsyncClient:
                         if snapshot.outcome is not None:
                             return
                         await telemetry.send(_acknowledgement(snapshot))
-        except (OSError, WebSocketException) as error:
+        except (OSError, ImportError, WebSocketException) as error:
             raise _failure(self._place, error) from None
 
     async def runs(self, **filters: Any) -> AsyncIterator[RunSummary]:

@@ -102,6 +102,8 @@ def run_robot(
     emulator = RobotEmulator(settings)
     signal.signal(signal.SIGTERM, lambda *_: emulator.shutdown())
     signal.signal(signal.SIGINT, lambda *_: emulator.shutdown())
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as `nohup` has it
+        signal.signal(signal.SIGHUP, lambda *_: emulator.shutdown())
     with _rest(emulator, rest_port) as port, _timed(emulator, faults):
         _announce_when_ready(emulator, settings, port)
         emulator.run()

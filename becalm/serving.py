@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import socket
+import threading
 import webbrowser
 from collections.abc import Callable, Iterator
 
@@ -14,6 +16,7 @@ from fastapi import FastAPI
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
+from server.connections import Connections, bounded_http, raise_descriptor_limit
 from server.data_folder import owned
 from server.feed import Feed
 from server.paced_sockets import SOCKET_OPTIONS
@@ -25,6 +28,11 @@ ANY_ADDRESS = ("0.0.0.0", "::", "")
 
 SHUTDOWN_TIME = 2
 """How long open connections may take to end [s]; the whole service has 5 s."""
+
+ENDING_SIGNALS = (signal.SIGHUP, signal.SIGQUIT)
+"""What ends the service as SIGTERM and Ctrl-C do: its terminal is gone, or has been asked to end it."""
+UNHEEDED_SIGNALS = (signal.SIGUSR1, signal.SIGUSR2)
+"""What other programs take as a wish that this one does not know; it would end it at once, without a stop."""
 
 
 def serve(settings: Settings, *, open_page: bool) -> None:
@@ -50,8 +58,11 @@ def serve(settings: Settings, *, open_page: bool) -> None:
 
 def server_config(app: FastAPI) -> uvicorn.Config:
     """How the service is served."""
+    services: Services = app.state.services
+    room = Connections(raise_descriptor_limit(), services.settings.trusted_proxies)
     return uvicorn.Config(
         app,
+        http=bounded_http(room),
         log_config=None,
         log_level="warning",
         proxy_headers=False,  # the application itself knows which proxies it trusts
@@ -95,6 +106,19 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._announce = announce
         self._end_mission = end_mission
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Heed more signals than uvicorn does, but none that whoever started this has it ignore (`nohup`)."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        before = {number: signal.getsignal(number) for number in (*ENDING_SIGNALS, *UNHEEDED_SIGNALS)}
+        for number, handler in before.items():
+            if handler != signal.SIG_IGN:
+                signal.signal(number, self.handle_exit if number in ENDING_SIGNALS else signal.SIG_IGN)
+        with super().capture_signals():
+            yield
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
+import gzip
 import os
+from functools import lru_cache
 from pathlib import Path
 
 from fastapi import FastAPI
 from fastapi.openapi.docs import get_swagger_ui_html
-from fastapi.responses import HTMLResponse
+from fastapi.responses import FileResponse, HTMLResponse
+from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
@@ -17,6 +21,12 @@ from starlette.websockets import WebSocketClose
 from server.access.headers import content_policy, inline_scripts
 
 READING = ("GET", "HEAD")
+
+COMPRESSED = (".html", ".js", ".css", ".svg", ".json", ".map", ".txt", ".webmanifest")
+"""Files that are sent compressed; fonts and pictures are so already."""
+
+OF_THE_WHOLE_FILE = ("content-length", "accept-ranges")
+"""Headers that do not hold of a file that is compressed."""
 
 STATIC = Path(__file__).parent / "static"
 """Where the web build puts it."""
@@ -41,7 +51,16 @@ class ConsoleFiles(StaticFiles):
         """
         if scope["method"] not in READING and not self.lookup_path(path)[0]:
             raise HTTPException(404)
-        return await super().get_response(path, scope)
+        response = await super().get_response(path, scope)
+        if not isinstance(response, FileResponse) or Path(response.path).suffix not in COMPRESSED:
+            return response
+        if "gzip" not in Headers(scope=scope).get("accept-encoding", ""):
+            return response
+        written = Path(response.path).stat().st_mtime_ns
+        content = await asyncio.to_thread(_compressed, str(response.path), written)
+        kept = {name: value for name, value in response.headers.items() if name not in OF_THE_WHOLE_FILE}
+        headers = {**kept, "Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
+        return Response(content, response.status_code, headers)
 
     def file_response(
         self, full_path: os.PathLike[str] | str, stat_result: os.stat_result, scope: Scope, status_code: int = 200
@@ -55,6 +74,12 @@ class ConsoleFiles(StaticFiles):
             # STOP is written within the page (docs/decisions/0007): exactly that script is allowed.
             response.headers["Content-Security-Policy"] = _policy_of(path.read_bytes())
         return response
+
+
+@lru_cache(maxsize=64)
+def _compressed(path: str, written: int) -> bytes:
+    """The file as it was then, compressed as well as can be: once, at its first use."""
+    return gzip.compress(Path(path).read_bytes(), mtime=0)
 
 
 def serve_console(app: FastAPI, static: Path = STATIC) -> None:
@@ -83,7 +108,7 @@ async def _docs() -> HTMLResponse:
 
 def _policy_of(page: bytes) -> str:
     """Our own files, and the scripts that are written within the page."""
-    return content_policy(f"script-src 'self' {inline_scripts(page)}")
+    return content_policy(f"script-src 'self' {inline_scripts(page)}".rstrip())
 
 
 async def _not_built() -> None:

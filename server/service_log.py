@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import logging
 import logging.handlers
@@ -9,14 +10,19 @@ import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from queue import Queue
-from typing import NamedTuple, TextIO
+from typing import Any, NamedTuple, TextIO
 
 from server.settings import Settings
+from server.texts import one_line, shortened
 
 OUR_LOGGERS = ("becalm", "server", "sim")
 """Whose lines the setting `log_level` chooses; of all others there are warnings and errors only."""
 
 WAITING_LINES = 10_000
+
+LONGEST_MESSAGE = 4_000
+LONGEST_TRACEBACK = 20_000
+"""Characters of a line; of an exception the last ones."""
 
 TEXT = "%(asctime)s %(levelname)s %(name)s [%(run)s %(tick)s] %(message)s"
 
@@ -35,7 +41,7 @@ class ServiceLog:
     """Lines are formatted where they come about and written by a thread of their own: nobody waits for a terminal."""
 
     def __init__(self, settings: Settings, moment: Callable[[], Moment], stream: TextIO | None = None) -> None:
-        formatter = JsonLine() if settings.log_format == "json" else logging.Formatter(TEXT)
+        formatter = JsonLine() if settings.log_format == "json" else TextLine(TEXT)
         self._handler = _Queued(Queue(WAITING_LINES), moment, formatter)
         self._writer = logging.handlers.QueueListener(self._handler.queue, logging.StreamHandler(stream or sys.stderr))
         self._level = logging.getLevelNamesMapping()[settings.log_level.upper()]
@@ -77,14 +83,39 @@ class _Queued(logging.handlers.QueueHandler):
         """A line that finds no room is lost: whoever reads the log does not keep up, and must hold nobody up."""
 
 
+class TextLine(logging.Formatter):
+    """One line of text; what comes with an exception stands below it, each line marked as no line of its own."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The lines; what another handler made of the exception is not taken over."""
+        record = copy.copy(record)
+        record.exc_text = None
+        return super().format(record)
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - logging's name
+        """The line: nothing in a message breaks it, or is obeyed by a terminal."""
+        record.message = shortened(record.message, LONGEST_MESSAGE)
+        return super().formatMessage(record)
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802 - logging's name
+        """The traceback, marked."""
+        lines = super().formatException(ei)[-LONGEST_TRACEBACK:].splitlines()
+        return "\n".join(f"  | {one_line(line)}" for line in lines)
+
+
 class JsonLine(logging.Formatter):
     """One JSON document a line."""
 
     def format(self, record: logging.LogRecord) -> str:
         """The line: `at`, `level`, `logger`, `message`, `run`, `tick`; of the mission's also who asked for what."""
         at = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
-        line = {"at": at, "level": record.levelname.lower(), "logger": record.name, "message": record.getMessage()}
+        line = {"at": at, "level": record.levelname.lower(), "logger": record.name, "message": _cut(record)}
         line |= {name: getattr(record, name) for name in (*Moment._fields, *MISSION_FIELDS) if hasattr(record, name)}
         if record.exc_info:
-            line["exception"] = self.formatException(record.exc_info)
+            line["exception"] = self.formatException(record.exc_info)[-LONGEST_TRACEBACK:]
         return json.dumps(line, default=str)
+
+
+def _cut(record: logging.LogRecord) -> str:
+    message = record.getMessage()
+    return message if len(message) <= LONGEST_MESSAGE else shortened(message, LONGEST_MESSAGE)

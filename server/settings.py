@@ -40,8 +40,17 @@ TELEMETRY_RATE_LIMITS = (1.0, 60.0)
 
 
 def default_data_dir() -> Path:
-    """The platform's folder for this user's data."""
-    return user_data_path("becalm", appauthor=False)
+    """The platform's folder for this user's data.
+
+    Raises:
+        ConfigError: this user has no home.
+
+    """
+    try:
+        return user_data_path("becalm", appauthor=False)
+    except RuntimeError:
+        what = "data_dir: this user has no home, and so no folder for data"
+        raise ConfigError(what, tip="name one with BECALM_DATA_DIR or --data-dir") from None
 
 
 class Settings(BaseModel):

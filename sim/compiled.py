@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -28,14 +30,39 @@ _ROOMS = ("model", "control", "plant", "capture")
 
 
 def cache_folder() -> Path:
-    """Where compiled code of these sources lies: under NUMBA_CACHE_DIR, else the platform's cache folder."""
+    """Where compiled code of these sources lies: under NUMBA_CACHE_DIR, else the platform's cache folder.
+
+    A user without a home, or with one that cannot be written, has a folder of their own among the temporary ones.
+    """
     room = Path(__file__).parent
     digest = hashlib.sha256()
     sources = [*room.glob("*.py"), *(path for name in _ROOMS for path in (room / name).glob("*.py"))]
     for path in sorted(sources):
         digest.update(path.relative_to(room).as_posix().encode() + b"\0" + path.read_bytes())
-    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("becalm")
+    base = os.environ.get("NUMBA_CACHE_DIR") or _users_folder() or _temporary_folder()
     return Path(base, f"compiled-{digest.hexdigest()[:16]}")
+
+
+def _users_folder() -> str | None:
+    """The platform's cache folder, if this user has one that can be written."""
+    try:
+        folder = platformdirs.user_cache_dir("becalm")
+        os.makedirs(folder, exist_ok=True)
+    except (RuntimeError, OSError):
+        return None
+    return folder if os.access(folder, os.W_OK | os.X_OK) else None
+
+
+def _temporary_folder() -> str:
+    """One that nobody else can put code into, for it is run; for every process of this user, if that can be."""
+    folder = Path(tempfile.gettempdir(), f"becalm-compiled-{os.getuid()}")
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return tempfile.mkdtemp(prefix="becalm-compiled-")
+    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not stat.S_IMODE(found.st_mode) & 0o077
+    return str(folder) if ours else tempfile.mkdtemp(prefix="becalm-compiled-")
 
 
 numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]  # numba fills its config at import

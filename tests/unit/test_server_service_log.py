@@ -69,3 +69,30 @@ def test_level_and_format(written):
     text = written(both, log_level="info")
     assert "INFO server.x [run-1 7] a detail" in text
     assert "a request" not in text
+
+
+def test_nothing_that_is_logged_breaks_its_line_or_is_obeyed(written):
+    name = "x\r\n2026-01-01 ERROR forged\x1b[2J\u2028\ud800"
+
+    def warn() -> None:
+        logging.getLogger("server.x").warning("refused: %s", name)
+        logging.getLogger("server.x").warning("refused: %s", "y" * 900_000)
+
+    first, second = written(warn).splitlines()
+    assert r"x\r\n2026-01-01 ERROR forged\x1b[2J\u2028\ud800" in first
+    assert len(second) < 5000
+    lines = [json.loads(line) for line in written(warn, log_format="json").splitlines()]
+    assert [len(line["message"]) < 5000 for line in lines] == [True, True]
+
+
+def test_lines_of_an_exception_are_marked_as_such(written):
+    def fail() -> None:
+        try:
+            raise ValueError("no\n2026-01-01 INFO forged")
+        except ValueError:
+            logging.getLogger("sim.y").exception("it failed")
+
+    first, *others = written(fail).splitlines()
+    assert "it failed" in first
+    assert "ValueError: no" in "".join(others)
+    assert [line for line in others if not line.startswith("  | ")] == []
