@@ -8,6 +8,8 @@ import { useDisarming } from "../features/commands/disarming";
 import { ConfigurationContext, useConfigurationState } from "../store/configuration";
 import { StoreContext } from "../store/context";
 import { surfaces, theme } from "../theme/theme";
+import styles from "./App.module.css";
+import { Boundary } from "./Boundary";
 import { useLiveMission } from "./live";
 import { PreferencesContext, usePreferencesState } from "./preferences";
 import { Shell } from "./Shell";
@@ -36,14 +38,14 @@ function Console() {
   );
 }
 
-/** Nothing before the service has said who one is; the sign-in if it asks for a token. */
+/** Nothing of the mission before the service has said who one is; the sign-in if it asks for a token. */
 function Gate() {
   const { session } = useAccess();
-  if (session === null) return null;
+  if (session === null) return <p className={styles.waiting}>Waiting for the service to answer. STOP is sent all the same.</p>;
   return session.token_needed && session.role === null ? <SignIn /> : <Console />;
 }
 
-export function App() {
+function Everything() {
   const access = useAccessState();
   const preferences = usePreferencesState();
   return (
@@ -54,5 +56,14 @@ export function App() {
         </AccessContext>
       </PreferencesContext>
     </MantineProvider>
+  );
+}
+
+/** Whatever all pages share may fail, too. */
+export function App() {
+  return (
+    <Boundary what="The console" onReload={() => { location.reload(); }}>
+      <Everything />
+    </Boundary>
   );
 }

@@ -1,11 +1,12 @@
-/** Holds what fails within: the rest of the console, STOP above all, stays. */
-import { Button } from "@mantine/core";
+/** Holds what fails within: the rest of the page stays. STOP does not depend on it (src/stop). */
 import { Component, type ReactNode } from "react";
-import styles from "./EmptyPage.module.css";
+import styles from "./Boundary.module.css";
 
 interface BoundaryProps {
-  /** What may fail, as a person calls it. */
+  /** What may fail, as it is called on the page: "The runs page". */
   readonly what: string;
+  /** Makes it anew after a failure; if it is left out, what is within is drawn again. */
+  readonly onReload?: () => void;
   readonly children: ReactNode;
 }
 
@@ -13,27 +14,39 @@ interface BoundaryState {
   readonly failure: string | null;
 }
 
+/** What was thrown, in words; anything can be thrown, also what has none. */
+function wordsOf(cause: unknown): string {
+  try {
+    return cause instanceof Error ? cause.message : String(cause);
+  } catch {
+    return "";
+  }
+}
+
 export class Boundary extends Component<BoundaryProps, BoundaryState> {
   override state: BoundaryState = { failure: null };
 
   static getDerivedStateFromError(cause: unknown): BoundaryState {
-    return { failure: cause instanceof Error ? cause.message : String(cause) };
+    return { failure: wordsOf(cause) };
   }
 
   override render(): ReactNode {
-    const { what, children } = this.props;
+    const { what, onReload, children } = this.props;
     if (this.state.failure === null) return children;
     return (
-      <section className={styles.empty} role="alert">
-        <h2>{`${what} has failed`}</h2>
+      <section className={styles.failed} role="alert">
+        <h2>{`${what} failed`}</h2>
+        <p>STOP works all the same.</p>
         <p>{this.state.failure}</p>
-        <Button
+        <button
+          type="button"
           onClick={() => {
+            onReload?.();
             this.setState({ failure: null });
           }}
         >
-          Show it again
-        </Button>
+          Reload
+        </button>
       </section>
     );
   }

@@ -8,7 +8,6 @@ import { PlotPanel } from "../features/plots/PlotPanel";
 import { RunPanel } from "../features/runs/RunPanel";
 import { ScenePanel } from "../features/scene/ScenePanel";
 import styles from "./MissionPage.module.css";
-import { TrustNotice } from "./TrustNotice";
 
 export function MissionPage({ shown }: { readonly shown: boolean }) {
   return (
@@ -20,7 +19,6 @@ export function MissionPage({ shown }: { readonly shown: boolean }) {
           <ParameterPanel />
         </div>
         <div className={styles.see}>
-          <TrustNotice />
           <ScenePanel />
           <PlotPanel />
         </div>

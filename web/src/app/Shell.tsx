@@ -1,14 +1,16 @@
-/** The frame of every page: who and what at the top, one page below. STOP stands outside of it (src/stop). */
+/** The frame of every page: where one can go and who one is, how far the data are to be trusted, one page below. STOP
+ * stands outside of it (src/stop). */
+import { useEffect } from "react";
 import { LibraryPage } from "../features/library/LibraryPage";
 import { LinkPage } from "../features/link/LinkPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
-import { useEffect } from "react";
 import { tellPhase } from "../stop/events";
 import { useView } from "../store/context";
 import { Boundary } from "./Boundary";
 import { MissionPage } from "./MissionPage";
 import { useRoute } from "./route";
 import styles from "./Shell.module.css";
+import { StatusLine } from "./StatusLine";
 import { TopBar } from "./TopBar";
 
 /** What STOP shows of its answer depends on it; that it stops does not. */
@@ -27,19 +29,28 @@ export function Shell() {
   useTellPhase();
   return (
     <div className={styles.shell} data-trust={trust} data-robot={robotSilent ? "silent" : undefined}>
-      <TopBar page={page} />
-      <Boundary what="The mission's page">
-        <MissionPage shown={page === "mission"} />
-      </Boundary>
-      <Boundary what="The page of runs">
-        <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} other={page === "runs" ? other : ""} />
-      </Boundary>
-      <Boundary what="The page of studies">
-        <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
-      </Boundary>
-      <Boundary what="The page of the link">
-        <LinkPage shown={page === "link"} />
-      </Boundary>
+      <div className={styles.head}>
+        <Boundary what="The top bar">
+          <TopBar page={page} />
+        </Boundary>
+        <Boundary what="The status line">
+          <StatusLine phased={page !== "mission"} />
+        </Boundary>
+      </div>
+      <div className={styles.body}>
+        <Boundary what="The mission page">
+          <MissionPage shown={page === "mission"} />
+        </Boundary>
+        <Boundary what="The runs page">
+          <LibraryPage shown={page === "runs"} item={page === "runs" ? item : ""} other={page === "runs" ? other : ""} />
+        </Boundary>
+        <Boundary what="The studies page">
+          <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+        </Boundary>
+        <Boundary what="The link page">
+          <LinkPage shown={page === "link"} />
+        </Boundary>
+      </div>
     </div>
   );
 }

@@ -1,11 +1,9 @@
-import { ActionIcon, SegmentedControl, Tooltip, useMantineColorScheme } from "@mantine/core";
+import { ActionIcon, Button, SegmentedControl, Tooltip, useMantineColorScheme } from "@mantine/core";
+import { useState } from "react";
 import { addressOf } from "../api/address";
 import { Identity } from "../features/access/Identity";
 import { ControlState } from "../features/control/ControlState";
-import { isPhase, PHASE_WORDS } from "../store/phases";
-import { useSnapshot } from "../store/context";
 import { Icon } from "../theme/Icon";
-import { LinkState } from "./LinkState";
 import { usePreferences } from "./preferences";
 import { hashOf, PAGES, type Page } from "./route";
 import styles from "./TopBar.module.css";
@@ -48,11 +46,11 @@ function AngleSwitch() {
 
 const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies", link: "Link" };
 
-function Pages({ shown }: { readonly shown: Page }) {
+function Pages({ shown, onChosen }: { readonly shown: Page; readonly onChosen: () => void }) {
   return (
     <nav className={styles.pages} aria-label="Pages">
       {PAGES.map((page) => (
-        <a key={page} href={hashOf({ page, item: "" })} aria-current={page === shown ? "page" : undefined}>
+        <a key={page} href={hashOf({ page, item: "" })} aria-current={page === shown ? "page" : undefined} onClick={onChosen}>
           {PAGE_WORDS[page]}
         </a>
       ))}
@@ -60,44 +58,40 @@ function Pages({ shown }: { readonly shown: Page }) {
   );
 }
 
-/** On its own page the mission's strip tells the phase; elsewhere it stands here. */
-function MissionFacts({ phased }: { readonly phased: boolean }) {
-  const configuration = useSnapshot((snapshot) => snapshot.configuration);
-  const run = useSnapshot((snapshot) => snapshot.run_id);
-  const phase = useSnapshot((snapshot) => snapshot.phase);
+/** Where the bar is narrow, everything but its name and STOP's place goes behind this button. */
+function MenuButton({ open, onChange }: { readonly open: boolean; readonly onChange: (open: boolean) => void }) {
   return (
-    <dl className={styles.mission}>
-      {phased && (
-        <div>
-          <dt>Phase</dt>
-          <dd>{phase !== null && isPhase(phase) ? PHASE_WORDS[phase] : "—"}</dd>
-        </div>
-      )}
-      <div>
-        <dt>Configuration</dt>
-        <dd>{configuration ?? "—"}</dd>
-      </div>
-      <div>
-        <dt>Run</dt>
-        <dd className={styles.run}>{run ?? "—"}</dd>
-      </div>
-    </dl>
+    <Button
+      className={styles.menu ?? ""}
+      aria-expanded={open}
+      aria-controls={MENU}
+      onClick={() => {
+        onChange(!open);
+      }}
+    >
+      Menu
+    </Button>
   );
 }
 
+const MENU = "top-bar-menu";
+
 export function TopBar({ page }: { readonly page: Page }) {
+  const [open, setOpen] = useState(false);
+  const close = (): void => {
+    setOpen(false);
+  };
   return (
-    <header className={styles.bar}>
+    <header className={styles.bar} data-open={open || undefined}>
       <div className={styles.brand}>
         <img src={addressOf("/favicon.svg")} alt="" width={24} height={24} />
         <h1 className={styles.name}>Becalm</h1>
       </div>
-      <Pages shown={page} />
-      <MissionFacts phased={page !== "mission"} />
-      <div className={styles.tools}>
+      <MenuButton open={open} onChange={setOpen} />
+      <Pages shown={page} onChosen={close} />
+      <div className={styles.tools} id={MENU}>
         <ControlState />
         <Identity />
-        <LinkState />
         <AngleSwitch />
         <ThemeSwitch />
       </div>

@@ -13,6 +13,14 @@ describe("the address", () => {
     expect(routeOf("#/nowhere/at/all").page).toBe("mission");
   });
 
+  it("may be typed badly", () => {
+    for (const bad of ["%", "%E0%A4%A", "%zz", "a%"]) {
+      expect(routeOf(`#/runs/${bad}/${bad}`)).toEqual({ page: "runs", item: bad, other: bad });
+      expect(routeOf(hashOf(routeOf(`#/runs/${bad}`)))).toEqual(routeOf(`#/runs/${bad}`));
+    }
+    expect(routeOf("#////%")).toMatchObject({ page: "mission" });
+  });
+
   it("comes back as it was", () => {
     for (const other of ["", "d/e"]) {
       const route = { page: "runs", item: "a b/c", other } as const;

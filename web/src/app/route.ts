@@ -12,11 +12,20 @@ export interface Route {
   readonly other: string;
 }
 
+/** What an address names; as it stands where it was typed badly, such as `%` alone: nothing of that name will be found. */
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 /** `#/studies/20261125T103000123-4f9a2c`, `#/runs/ONE/OTHER` and the like; anything unknown is the mission. */
 export function routeOf(hash: string): Route {
   const [name = "", item = "", other = ""] = hash.replace(/^#\/?/, "").split("/");
   const page = PAGES.find((known) => known === name) ?? "mission";
-  return { page, item: decodeURIComponent(item), other: decodeURIComponent(other) };
+  return { page, item: decoded(item), other: decoded(other) };
 }
 
 export const hashOf = ({ page, item, other }: Pick<Route, "page" | "item"> & Partial<Route>): string =>

@@ -15,8 +15,8 @@ export function Identity() {
   return (
     <Popup
       target={
-        <Button variant="subtle" color="gray" className={styles.identity ?? ""} title="Signed in">
-          {session.name} <small>{session.role}</small>
+        <Button variant="subtle" color="gray" className={styles.identity ?? ""} title={`Signed in as ${session.name}`}>
+          <span className={styles.name}>{session.name}</span> <small>{session.role}</small>
         </Button>
       }
     >

@@ -88,7 +88,7 @@ export function ControlState() {
   if (reasonByRole(session, "operator") !== null) {
     return (
       <span className={styles.state} data-hold={hold} role="status">
-        {sign} {words}
+        {sign} <span className={styles.words} title={words}>{words}</span>
       </span>
     );
   }
@@ -98,7 +98,7 @@ export function ControlState() {
       onChange={setOpened}
       target={
         <Button className={styles.state ?? ""} data-hold={hold} leftSection={sign} aria-label={`Control of the mission: ${words}`} onClick={() => { setOpened(!opened); }}>
-          {words}
+          <span className={styles.words} title={words}>{words}</span>
         </Button>
       }
     >

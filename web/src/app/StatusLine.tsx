@@ -1,0 +1,42 @@
+/** How far the data are to be trusted, on every page; what is flown while they are, and what is amiss while not. */
+import { useSnapshot, useView } from "../store/context";
+import { isPhase, PHASE_WORDS } from "../store/phases";
+import { LinkState } from "./LinkState";
+import styles from "./StatusLine.module.css";
+import { TrustNotice } from "./TrustNotice";
+
+/** On its own page the mission's strip tells the phase; elsewhere it stands here. */
+function MissionFacts({ phased }: { readonly phased: boolean }) {
+  const configuration = useSnapshot((snapshot) => snapshot.configuration);
+  const run = useSnapshot((snapshot) => snapshot.run_id);
+  const phase = useSnapshot((snapshot) => snapshot.phase);
+  return (
+    <dl className={styles.facts}>
+      {phased && (
+        <div>
+          <dt>Phase</dt>
+          <dd>{phase !== null && isPhase(phase) ? PHASE_WORDS[phase] : "—"}</dd>
+        </div>
+      )}
+      <div>
+        <dt>Configuration</dt>
+        <dd title={configuration ?? undefined}>{configuration ?? "—"}</dd>
+      </div>
+      <div>
+        <dt>Run</dt>
+        <dd className={styles.run}>{run ?? "—"}</dd>
+      </div>
+    </dl>
+  );
+}
+
+/** Always there and always as high: nothing below it moves when the data grow old, and nothing is covered. */
+export function StatusLine({ phased }: { readonly phased: boolean }) {
+  const live = useView((view) => view.trust === "live");
+  return (
+    <div className={styles.line}>
+      <LinkState />
+      {live ? <MissionFacts phased={phased} /> : <TrustNotice />}
+    </div>
+  );
+}
