@@ -32,11 +32,11 @@ function MissionFacts({ phased }: { readonly phased: boolean }) {
 
 /** Always there and always as high: nothing below it moves when the data grow old, and nothing is covered. */
 export function StatusLine({ phased }: { readonly phased: boolean }) {
-  const live = useView((view) => view.trust === "live");
+  const trusted = useView((view) => view.trust === "live" && view.robotAge === 0);
   return (
     <div className={styles.line}>
       <LinkState />
-      {live ? <MissionFacts phased={phased} /> : <TrustNotice />}
+      {trusted ? <MissionFacts phased={phased} /> : <TrustNotice />}
     </div>
   );
 }

@@ -63,6 +63,7 @@ export function Choice({ value, data, onChange, within = false, className, ...in
           component="button"
           type="button"
           size="xs"
+          miw={0}
           pointer
           className={className ?? ""}
           rightSection={<Combobox.Chevron />}

@@ -13,6 +13,7 @@ import type { Run } from "../../api/types";
 import { StoreContext } from "../../store/context";
 import { readNumber } from "../../units/numbers";
 import { clock, fixed, plain } from "../../units/units";
+import { RoleButton } from "../access/RoleButton";
 import { useReasonByRole } from "../access/session";
 import { PrepareButton } from "../commands/PrepareButton";
 import { EventLog } from "../events/EventLog";
@@ -34,6 +35,7 @@ const LOGS = [
 
 function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
   const againstDeleting = useReasonByRole("admin");
+  const againstRemarks = useReasonByRole("operator");
   const star = () => doing(() => remarkRun(run.id, { starred: !run.starred }));
   const remove = () =>
     doing(async () => {
@@ -42,14 +44,14 @@ function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
     });
   return (
     <header className={styles.head}>
-      <ActionIcon aria-label={run.starred ? "Take the star away" : "Star this run"} aria-pressed={run.starred} onClick={() => void star()}>
+      <ActionIcon aria-label={run.starred ? "Take the star away" : "Star this run"} aria-pressed={run.starred} disabled={againstRemarks !== null} title={againstRemarks ?? undefined} onClick={() => void star()}>
         {run.starred ? "★" : "☆"}
       </ActionIcon>
       <h2>{run.id}</h2>
       <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : run.status}</span>
       <span className={styles.spring} />
       {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
-      {isUnderWay(run) && run.kind !== "live" && <Button onClick={() => void doing(() => cancelRun(run.id))}>Cancel</Button>}
+      {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void doing(() => cancelRun(run.id))}>Cancel</RoleButton>}
       {!isUnderWay(run) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void remove()} />}
     </header>
   );
@@ -134,18 +136,18 @@ function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doin
             <p>{note.text}</p>
             <small>{note.who}</small>
             {typeof note.time === "number" && <Moment time={note.time} player={player} />}
-            <Button size="compact-xs" aria-label={`Remove the note: ${note.text}`} onClick={() => void remove(place)}>
+            <RoleButton needs="operator" size="compact-xs" aria-label={`Remove the note: ${note.text}`} onClick={() => void remove(place)}>
               Remove
-            </Button>
+            </RoleButton>
           </li>
         ))}
       </ul>
       <div className={styles.writing}>
         <Textarea aria-label="A note on this run" placeholder="What is worth knowing about this run" size="xs" rows={2} value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
         <Checkbox size="xs" label={`At the moment shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />
-        <Button disabled={text.trim() === ""} onClick={() => void add()}>
+        <RoleButton needs="operator" disabled={text.trim() === ""} onClick={() => void add()}>
           Add note
-        </Button>
+        </RoleButton>
       </div>
     </Panel>
   );

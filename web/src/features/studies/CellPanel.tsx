@@ -1,11 +1,11 @@
 /** One cell: what it was flown with, what came out, and its run. */
-import { Button } from "@mantine/core";
 import { Panel } from "../../app/Panel";
 import { Term } from "../../glossary/Term";
 import { go } from "../../app/route";
 import { useDoing } from "../../app/use-doing";
 import { runCell } from "../../api/service";
 import type { CommandRequest, StudyDetail, StudyRow } from "../../api/types";
+import { RoleButton } from "../access/RoleButton";
 import { PrepareButton } from "../commands/PrepareButton";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
@@ -86,9 +86,9 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
       {typeof row["error"] === "string" && <p className={styles.hint}>{row["error"]}</p>}
       <div className={styles.actions}>
         <PrepareButton label="Prepare it in the scene" request={preparation(study, row)} />
-        <Button disabled={waiting} onClick={() => void doing(keep)}>
+        <RoleButton needs="operator" disabled={waiting} onClick={() => void doing(keep)}>
           Keep as a run
-        </Button>
+        </RoleButton>
       </div>
       <p className={styles.hint}>{`Prepared, it rests on the mission's page until ${isDirect(study) ? "Direct caging" : "Capture"} is pressed there.`}</p>
       {refusal && (

@@ -1,5 +1,5 @@
 /** Studies: start one, watch its map fill, and open what stands in it. */
-import { Button, Progress } from "@mantine/core";
+import { Progress } from "@mantine/core";
 import { useState } from "react";
 import { ConfirmButton } from "../../app/ConfirmButton";
 import { EmptyPage } from "../../app/EmptyPage";
@@ -9,6 +9,7 @@ import { useDoing } from "../../app/use-doing";
 import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
 import type { StudyDetail, StudySummary } from "../../api/types";
 import { fixed } from "../../units/units";
+import { RoleButton } from "../access/RoleButton";
 import { useReasonByRole } from "../access/session";
 import { CellPanel } from "./CellPanel";
 import { NewStudy } from "./NewStudy";
@@ -57,8 +58,8 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
         {typeof rate === "number" && `, ${fixed(rate, 1)} a second`}
       </span>
       <span className={styles.spring} />
-      {isUnderWay(study) && <Button onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</Button>}
-      {(study.status === "cancelled" || study.status === "failed") && <Button onClick={() => void doing(() => resumeStudy(study.id))}>Go on</Button>}
+      {isUnderWay(study) && <RoleButton needs="operator" onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</RoleButton>}
+      {(study.status === "cancelled" || study.status === "failed") && <RoleButton needs="operator" onClick={() => void doing(() => resumeStudy(study.id))}>Go on</RoleButton>}
       {!isUnderWay(study) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void doing(remove)} />}
       {refusal && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
     </header>
