@@ -159,10 +159,8 @@ class Reception:
 
     def unheard(self, now: float) -> str | None:
         """Why nobody tells a mode that counts, if somebody does."""
-        refusals = self.refusals[contract.MODE.key]
-        refused = refusals.age(now)
-        recent = refused is not None and refused <= STEADY_SPAN
-        return f"{name_of(contract.MODE)} refused: {refusals.reason}" if recent else None
+        refused = self.refusals[contract.MODE.key].age(now)
+        return self._late(contract.MODE, None, now) if refused is not None and refused <= STEADY_SPAN else None
 
     def staleness(self, stamp: int) -> float:
         """How long ago the robot measured what has that stamp, by both clocks [s]; 0 before the offset is known."""
@@ -281,8 +279,9 @@ class Reception:
         fault = trust.stamp_fault(report.stamp, times, self._expected.bounds)
         if fault:
             return fault
-        before = self.reports.value("last_refusal")
-        self.reports.take(report, at)
+        before, latest = self.reports.value("last_refusal"), self.reports.latest
+        if not self.reports.take(report, at) and latest is not None:
+            return trust.order_fault(report.stamp, latest.stamp)
         told = self.reports.value("last_refusal")
         if told and told != before:
             self._quiet.warning("last_refusal", f"the robot refused {told}", at)
@@ -298,27 +297,33 @@ class Reception:
         return next(recent, None) or self.other_clock.jump(now, STEADY_SPAN)
 
     def _trouble_of(self, channel: Channel, now: float) -> str | None:
-        stream, refusals, deadline = self._stream(channel), self.refusals[channel.key], self._deadline()
-        age, refused = stream.age(now), refusals.age(now)
-        if (age is None or age > deadline) and refused is not None and refused <= max(deadline, STEADY_SPAN):
-            return f"{name_of(channel)} refused: {refusals.reason}"
-        if age is None:
-            return f"{name_of(channel)}: none has come yet"
-        if age > deadline:
-            return f"{name_of(channel)} late: none for {1e3 * age:.0f} ms"
+        stream, deadline = self._stream(channel), self._deadline()
+        age = stream.age(now)
+        if age is None or age > deadline:
+            return self._late(channel, age, now)
         if channel in NOISY and self._expected.detect_freeze and stream.unchanged_for > deadline:
             return f"{name_of(channel)} frozen: the same for {1e3 * stream.unchanged_for:.0f} ms"
         return None
+
+    def _late(self, channel: Channel, age: float | None, now: float) -> str:
+        """Of a channel of which nothing was believed for so long [s]; None: ever."""
+        refusals = self.refusals[channel.key]
+        refused = refusals.age(now)
+        if refused is not None and refused <= STEADY_SPAN:
+            return f"{name_of(channel)} refused: {refusals.reason}"
+        if age is None:
+            return f"{name_of(channel)}: none has come yet"
+        return f"{name_of(channel)} late: none for {1e3 * age:.0f} ms"
 
     def _silent(self, now: float) -> str | None:
         """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""
         deadline = self._deadline()
         mode = now - self.reports.at
         if self.reports.latest is not None and mode > deadline + MODE_DEADLINE:
-            return f"{name_of(contract.MODE)} late: none for {1e3 * mode:.0f} ms"
+            return self._late(contract.MODE, mode, now)
         back = self.other_clock.age(now)
         if back is not None and back > deadline + PING_PERIOD:
-            return f"{name_of(contract.HEARTBEAT_ECHO)} late: none for {1e3 * back:.0f} ms"
+            return self._late(contract.HEARTBEAT_ECHO, back, now)
         return None
 
     def _jump(self) -> str | None:

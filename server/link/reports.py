@@ -27,7 +27,7 @@ class RobotReports:
     def take(self, report: Report, at: float) -> bool:
         """Note a report that came at that instant; whether it is newer than all before."""
         latest = self.latest
-        if latest is not None and report.stamp < latest.stamp and not begins_anew(at, self.at):
+        if latest is not None and report.stamp <= latest.stamp and not begins_anew(at, self.at):
             return False
         followed = self.value("commands")
         self.latest, self.at = report, at

@@ -5,8 +5,10 @@ from __future__ import annotations
 from fastapi import FastAPI, HTTPException
 from pydantic import BaseModel, ConfigDict, Field
 
+from server.api.origin import SameOrigin
 from server.link.faults import Faults
 from server.link.robot_emulator import RobotEmulator, RobotStatus
+from server.settings import LOOPBACK_NAMES
 
 
 class Hang(BaseModel):
@@ -29,6 +31,7 @@ class Restart(BaseModel):
 def create_robot_app(emulator: RobotEmulator) -> FastAPI:
     """The REST of that emulator."""
     app = FastAPI(title="Becalm's emulated robot", description="Only the emulator has it. SI units and radians.")
+    app.add_middleware(SameOrigin, hosts=LOOPBACK_NAMES)  # a page elsewhere may move this robot as little as a real one
 
     @app.get("/status")
     def status() -> RobotStatus:

@@ -1,0 +1,44 @@
+"""The emulator's own REST is for those on its machine, and for no page from elsewhere."""
+
+from __future__ import annotations
+
+import pytest
+from starlette.testclient import TestClient
+
+from server.link.faults import Faults
+from server.link.robot_rest import create_robot_app
+
+PORT = 8123
+
+
+class Emulator:
+    """What the REST asks of one."""
+
+    faults = Faults()
+    suffered: Faults | None = None
+
+    def suffer(self, faults: Faults) -> None:
+        self.suffered = faults
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({}, 200),
+        ({"host": f"localhost:{PORT}"}, 200),
+        ({"host": f"[::1]:{PORT}"}, 200),
+        ({"origin": f"http://127.0.0.1:{PORT}"}, 200),
+        ({"host": "evil.example"}, 403),
+        ({"host": f"evil.example:{PORT}"}, 403),
+        ({"host": "["}, 400),
+        ({"origin": "http://evil.example"}, 403),
+        ({"origin": "null"}, 403),
+        ({"origin": "http://127.0.0.1:1"}, 403),
+    ],
+)
+def test_only_its_own_address_and_no_other_page_is_served(headers, status):
+    emulator = Emulator()
+    with TestClient(create_robot_app(emulator), base_url=f"http://127.0.0.1:{PORT}") as client:
+        answer = client.put("/faults", json={"delay": 0.5}, headers=headers)
+    assert answer.status_code == status
+    assert (emulator.suffered is not None) == (status == 200)
