@@ -46,6 +46,9 @@ WAKE_PERIOD = 0.002
 LATE = 0.05
 """Lateness that the operator is told of [s]."""
 
+START_SPAN = 2.0
+"""How long a robot is held without being lost before the service's first mission begins [s]."""
+
 AWAIT_PERIOD = 0.5
 """Between two looks for a robot that is not there yet [s]."""
 
@@ -214,12 +217,17 @@ class MissionLoop:
 
     def _first_mission(self) -> LiveMission | None:
         """The mission that the service opens with, as soon as its robot is there; None if the service ends before."""
+        if self._link is None:
+            return self._new_mission(self.view.configuration, self.view.config)
+        self._awaited = "it begins when the robot has been heard without a gap for a second"
         while not self._closing.is_set():
             try:
-                return self._new_mission(self.view.configuration, self.view.config)
+                robot = self._robot(self._link, self.view.config)
+                first = self._mission_with(self.view.configuration, self.view.config, robot=robot)
+                # A start is no fault: whatever this process still loads holds up its threads, so it is let go by first.
+                robot.require_held(START_SPAN)
+                return first
             except (MissionRefused, LinkLost) as error:
-                if self._link is None:
-                    raise
                 self._awaited = str(error)
                 self._closing.wait(AWAIT_PERIOD)
         return None
@@ -278,8 +286,13 @@ class MissionLoop:
         return message
 
     def _new_mission(self, configuration: str, config: MissionConfig, fork: Fork | None = None) -> LiveMission:
-        history = self._feed.history
         robot = None if self._link is None else self._robot(self._link, config)
+        return self._mission_with(configuration, config, fork, robot)
+
+    def _mission_with(
+        self, configuration: str, config: MissionConfig, fork: Fork | None = None, robot: ZenohPlant | None = None
+    ) -> LiveMission:
+        history = self._feed.history
         return LiveMission(configuration, config, self._recorder, self._feed.publish_event, history.keep, fork, robot)
 
     @staticmethod

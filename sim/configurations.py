@@ -27,6 +27,7 @@ from sim.config import (
     TargetConfig,
     TouchConfig,
     TrackingConfig,
+    value_at,
 )
 from sim.errors import ConfigError
 from sim.model.clearance import initial_overlap
@@ -42,6 +43,8 @@ LONGEST_NAME = 100
 
 MOST_FINDINGS = 8
 """Values that a message tells of; it says how many more there are."""
+
+_TARGET_BODY = ("target.side", "target.mass", "target.inertia")
 
 
 def _printed() -> MissionConfig:
@@ -132,6 +135,8 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
             explained(error),
             tip="the console and GET /api/v1/mission/config/schema list every parameter with its bounds",
         ) from None
+    if any(value_at(result, path) != value_at(config, path) for path in _TARGET_BODY):
+        require_inertia_of_its_size(result.target)
     require_clear_start(result)
     return result
 
@@ -156,6 +161,23 @@ def require_bounded(changes: Mapping[str, Any]) -> None:
             return
     tip = "a parameter's path has a few groups, such as control.impedance.damping"
     raise ConfigError(f"changes = more than {DEEPEST_CHANGE} levels", tip=tip)
+
+
+def require_inertia_of_its_size(target: TargetConfig) -> None:
+    """Refuse a target whose moment of inertia no square of its side and mass can have.
+
+    Raises:
+        ConfigError: more than with all of the mass in the corners.
+
+    """
+    most = target.mass * target.side**2 / 2.0
+    if target.inertia <= most:
+        return
+    raise ConfigError(
+        f"target.inertia = {target.inertia:g} kg m2: a square of target.side = {target.side:g} m and target.mass = "
+        f"{target.mass:g} kg has at most {most:.4g} kg m2, with all of its mass in its corners",
+        tip=f"change the three together; an even plate has mass x side^2 / 6 = {most / 3.0:.4g} kg m2",
+    )
 
 
 def require_clear_start(config: MissionConfig) -> None:

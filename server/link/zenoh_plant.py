@@ -7,7 +7,6 @@ operator asks for, opens a new one, so nothing that was sent for this one is exe
 
 from __future__ import annotations
 
-import contextlib
 import math
 import threading
 import time
@@ -80,6 +79,7 @@ class ZenohPlant:
             link.perceive_anew()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
         link.tell(joints, self._state)
+        self._lost = ""
         self._begun = threading.Event()
         self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
         self._holder.start()
@@ -123,6 +123,17 @@ class ZenohPlant:
     def stop(self) -> None:
         """Tell the robot to stop; nothing is commanded any more in this session."""
         self._stopped = True
+
+    def require_held(self, span: float) -> None:
+        """Hold the robot still for that long [s] before its mission begins.
+
+        Raises:
+            LinkLost: it was lost meanwhile.
+
+        """
+        self._holder.join(span)
+        if not self._holder.is_alive():
+            raise LinkLost(f"the robot was lost within {span:g} s: {self._lost}", tip="it is tried again")
 
     @property
     def _stopping(self) -> bool:
@@ -173,8 +184,10 @@ class ZenohPlant:
 
     def _hold_until_begun(self) -> None:
         """Answer the robot while the mission that flies it is made, and its log; what is wrong shows when it begins."""
-        with contextlib.suppress(LinkLost):
+        try:
             self._hold_still(self._begun.is_set, "its session was opened", BEGIN_TIME)
+        except LinkLost as error:
+            self._lost = str(error)
 
     def _hold_still(self, enough: Callable[[], bool], since: str, patience: float = SETTLING_TIME) -> JointSample:
         """Hold the arms still until that is so; the joint state then."""
@@ -182,8 +195,10 @@ class ZenohPlant:
         until = time.monotonic() + patience
         while True:
             joints = link.await_joints(self._last, link.settings.deadline)
-            if joints is None or time.monotonic() > until:
-                raise LinkLost(f"the robot was lost after {since}", tip="reset to try again")
+            trouble = link.trouble()
+            if joints is None or trouble is not None or time.monotonic() > until:
+                why = f": {trouble}" if trouble is not None else ""
+                raise LinkLost(f"the robot was lost after {since}{why}", tip="reset to try again")
             self._last, self._angle = joints.stamp, joints.angle
             link.command(joints.stamp, np.zeros((2, 3)))
             if enough():

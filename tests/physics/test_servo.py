@@ -60,7 +60,7 @@ def pressed(changes) -> MissionConfig:
     """A target too heavy to move, still; the contact is soft and smooth, so that the force is held."""
     held = {
         "target.mass": 1e4,
-        "target.inertia": 1e4,
+        "target.inertia": 100.0,
         "target.initial_spin": 0.0,
         "contact.stiffness": 80.0,
         "contact.damping": 0.0,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import httpx
 import pytest
-from starlette.testclient import TestClient
 
 from server.link.faults import Faults
 from server.link.robot_rest import create_robot_app
@@ -36,9 +36,10 @@ class Emulator:
         ({"origin": "http://127.0.0.1:1"}, 403),
     ],
 )
-def test_only_its_own_address_and_no_other_page_is_served(headers, status):
+async def test_only_its_own_address_and_no_other_page_is_served(headers, status):
     emulator = Emulator()
-    with TestClient(create_robot_app(emulator), base_url=f"http://127.0.0.1:{PORT}") as client:
-        answer = client.put("/faults", json={"delay": 0.5}, headers=headers)
+    transport = httpx.ASGITransport(create_robot_app(emulator))
+    async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:
+        answer = await client.put("/faults", json={"delay": 0.5}, headers=headers)
     assert answer.status_code == status
     assert (emulator.suffered is not None) == (status == 200)

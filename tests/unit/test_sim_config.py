@@ -18,8 +18,8 @@ UNITS = {"m", "s", "kg", "kg m2", "N", "N m", "N/m", "N s/m", "rad", "rad/s", "m
 BOUNDS = ("ge", "gt", "le", "lt")
 NUMBERS = [path for path, field in PARAMETERS.items() if field.annotation in (float, int)]
 CHOICES = [path for path in PARAMETERS if path not in NUMBERS]
-OUT_OF_HARMS_WAY = {"target.initial_x", "target.initial_y", "target.side"}
-"""Not varied at random: a target may then overlap the robot, which is refused for its own reason."""
+OUT_OF_HARMS_WAY = {"target.initial_x", "target.initial_y", "target.side", "target.mass", "target.inertia"}
+"""Not varied at random: a target may then overlap the robot, or be none that there can be; each has its own reason."""
 
 
 def bounds_of(path: str) -> dict[str, float]:
@@ -103,6 +103,23 @@ class TestRefusal:
     def test_of_an_unknown_choice_names_those_there_are(self):
         with pytest.raises(ConfigError, match=r"contact\.corner = 'round'.*face.*radial"):
             revised(MissionConfig(), nested({"contact.corner": "round"}))
+
+    @pytest.mark.parametrize(
+        "changes", [{"inertia": 0.0265}, {"side": 0.08}, {"mass": 0.8}, {"inertia": 1.0, "mass": 5.0}]
+    )
+    def test_of_a_target_whose_inertia_no_body_of_its_size_can_have(self, changes):
+        with pytest.raises(
+            ConfigError, match=r"target\.inertia = .* at most .* kg m2, with all of its mass in its corners"
+        ):
+            revised(MissionConfig(), {"target": changes})
+
+    @pytest.mark.parametrize("changes", [{"inertia": 0.0264}, {"inertia": 1e-4}, {"side": 0.1}, {"mass": 0.9}])
+    def test_of_no_target_that_there_can_be(self, changes):
+        assert revised(MissionConfig(), {"target": changes}).target
+
+    def test_of_no_other_change_to_a_stored_configuration_that_has_one(self):
+        stored = MissionConfig.model_validate({"target": {"inertia": 1.0}})
+        assert revised(stored, {"control": {"impedance": {"damping": 3.0}}}).target.inertia == 1.0
 
     def test_of_several_at_once_names_each(self):
         with pytest.raises(ConfigError) as refusal:
