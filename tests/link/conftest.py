@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,7 +10,7 @@ import pytest
 from server.link.robot_link import LinkSettings, RobotLink
 from server.link.session import LinkSession, Transport
 
-from .ends import CONFIG, PATIENT, ROBOT_DEADLINE, Certificates, Flight, Robot, becalm, free_endpoint
+from .ends import CONFIG, PATIENT, ROBOT_DEADLINE, Certificates, Flight, Gaps, Robot, becalm, free_endpoint
 
 
 @pytest.fixture(scope="session")
@@ -44,7 +42,7 @@ def robot(
         *("--seed", "5", "--clock-offset", "3.5", "--deadline", str(ROBOT_DEADLINE)),
     )
     with becalm(tmp_path_factory.mktemp("robot"), *arguments) as process:
-        yield Robot(process, plain, secured)
+        yield Robot(process, plain, secured, ("--user", "ana", "--password-file", str(users["right"])))
 
 
 @pytest.fixture(scope="module")
@@ -98,16 +96,5 @@ def stranger(transport: Transport) -> Iterator[LinkSession]:
 @pytest.fixture
 def gaps() -> Iterator[Callable[[], float]]:
     """The longest time [s] that a thread of this process waited for the machine, beside what it asked for."""
-    longest, ended = [0.0], threading.Event()
-
-    def watch() -> None:
-        while not ended.is_set():
-            began = time.monotonic()
-            ended.wait(0.001)
-            longest[0] = max(longest[0], time.monotonic() - began - 0.001)
-
-    thread = threading.Thread(target=watch, daemon=True)
-    thread.start()
-    yield lambda: longest[0]
-    ended.set()
-    thread.join()
+    with Gaps() as watch:
+        yield lambda: watch.longest

@@ -7,6 +7,7 @@ which is measured.
 
 from __future__ import annotations
 
+import random
 import re
 import signal
 import time
@@ -17,10 +18,12 @@ import pytest
 from server.link import contract, wire
 from server.link.contract import RobotMode
 from server.link.reception import MODE_DEADLINE, PING_PERIOD
+from server.link.zenoh_plant import ZenohPlant
 from sim.capture.mission import Mission
 from sim.control.phases import Phase
+from sim.errors import MissionRefused
 
-from .ends import CONFIG, ROBOT_DEADLINE, SHORT, Stalled, keeping_up, taken, until
+from .ends import CONFIG, ROBOT_DEADLINE, SHORT, Stalled, becalm, keeping_up, taken, until
 
 PERIOD = 1 / contract.CONTROL_RATE
 SWITCH = 0.05
@@ -295,3 +298,55 @@ def test_taring_makes_the_present_reading_zero(robot, link, fly):
     flight.ticks(60)
     assert not flight.plant.state["hand_wrench"].any()
     assert not flight.mission.snapshot().contacts
+
+
+@keeping_up
+def test_a_blow_that_a_wrist_only_tells_moves_no_arm(robot, link, fly, stranger):
+    flight = fly()
+    flight.capture()
+
+    def told() -> bool:
+        stamp = link.streams[contract.WRENCHES[0].key].latest + 1
+        blow = wire.PlaneSample(stamp, contract.WRENCHES[0].frame, np.array([20.0, 0.0, 0.0]))
+        stranger.publish(contract.WRENCHES[0], wire.encode_wrench(blow))
+        return flight.lost.wait(0.05)
+
+    until(told, "the blow is told")
+    _assert_held(robot, flight, "left wrist wrench: force jumped by")
+
+
+@keeping_up
+def test_a_second_robot_on_the_same_keys_grounds_both(robot, link, fly, tmp_path):
+    flight = fly()
+    flight.ticks(20)
+    moved = robot.status["commands"]
+    with becalm(tmp_path, "robot", "--name", "second", "--connect", robot.endpoint, *robot.credentials) as second:
+        message = flight.await_fault("two robots answer on the same keys, emulator.*second")
+        assert "none is flown" in message
+        with pytest.raises(MissionRefused, match="two robots answer"):
+            ZenohPlant(link, CONFIG)
+        status = second.http.get("/status").raise_for_status().json()
+        assert status["commands"] == 0
+        assert status["mode"] in ("waiting", "stopped")
+    assert moved > 0
+    fly().ticks(20)
+
+
+@keeping_up
+def test_nothing_that_a_stranger_sends_ends_either_end(robot, link, fly, stranger):
+    flight = fly()
+    flight.ticks(20)
+    random_ = random.Random(3)
+    for _ in range(30):
+        for channel in contract.CHANNELS:
+            if channel is not contract.STOP:
+                stranger.publish(channel, random_.randbytes(random_.randrange(200)))
+    for session in ("\u00b2", f"{link.console}.\u00b2", f"{link.console}.99999"):
+        stranger.publish(contract.OPEN, wire.encode_call(wire.Call(time.time_ns(), session)))
+    names = [f"joint_{number}" for number in range(300_000)]
+    huge = wire.ros("sensor_msgs/msg/JointState", wire._header(0, link.session), names, *[np.zeros(0)] * 3)
+    stranger.publish(contract.JOINT_COMMAND, wire.serialized(huge, "sensor_msgs/msg/JointState"))
+    until(lambda: link.reception.refusals[contract.BASE_POSE.key].count >= 20, "the console refuses")
+    until(lambda: robot.status["refused"] >= 60, "the robot refuses")
+    flight.ticks(40)
+    assert "Traceback" not in robot.process.log

@@ -13,7 +13,19 @@ from playwright.sync_api import Browser, expect
 
 from server.arming import TO_BE_ARMED
 
-from .ends import PATIENCE, PATIENT, TRIES, Certificates, Process, Robot, becalm, keeping_up, until
+from .ends import (
+    PATIENCE,
+    PATIENT,
+    STOOD_STILL,
+    Certificates,
+    Gaps,
+    Process,
+    Robot,
+    becalm,
+    keeping_up,
+    require_real_time,
+    until,
+)
 
 BOUND = 1000 * PATIENCE
 """On every wait for the page [ms]."""
@@ -221,10 +233,13 @@ def test_what_moves_the_robot_takes_two_presses(robot, service, browser: Browser
 
 
 def test_a_whole_capture_ends_caged(robot, service):
-    # Where the machine stands still the arms do not see what they touch: then another one is flown.
-    ends = (_capture(robot, service, seed) for seed in range(1, TRIES + 1))
-    ended = next((each for each in ends if (each["outcome"] or {}).get("caged")), None)
-    assert ended is not None, service.get("/mission")
+    require_real_time()
+    with Gaps() as gaps:
+        ended = _capture(robot, service, seed=1)
+    if gaps.longest > STOOD_STILL and not (ended["outcome"] or {}).get("caged"):
+        # The arms did not see what they touched. What load costs is measured (docs/link.md), not tested.
+        pytest.skip(f"needs real time: a thread waited {1e3 * gaps.longest:.0f} ms for a processor meanwhile")
+    assert (ended["outcome"] or {}).get("caged"), ended
     assert ended["phase"] == "holding"
     assert ended["contacts"]
     run = until(lambda: r if (r := service.get(f"/runs/{ended['run_id']}"))["outcome"] else None, "the run's verdict")
