@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from server.history import HistoryRing
+from server.run_folder import LoggedEvent
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, flown_to
 from sim.errors import MissionRefused
@@ -41,6 +42,8 @@ class Fork:
     mission: Mission
     past: HistoryRing = field(default_factory=HistoryRing)
     """Those ticks, for who watches."""
+    events: tuple[LoggedEvent, ...] = ()
+    """What the parent's log tells of them, but for what they follow from, which is in the history."""
 
 
 def forked(parent: Flight, tick: int) -> Fork:

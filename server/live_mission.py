@@ -36,6 +36,9 @@ _FLOWN_UNDER = frozenset(command.value for command in Command)
 _LOG_LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 """Of an event's line in the service's log."""
 
+_BEFORE = "before the fork: "
+"""Begins the message of what a fork has from its parent."""
+
 log = logging.getLogger(__name__)
 
 
@@ -43,6 +46,12 @@ def display_name(configuration: str, config: MissionConfig) -> str:
     """The configuration's name, and whether it has been edited."""
     edited = differences(named_configuration(configuration), config)
     return f"{configuration}{EDITED}" if edited else configuration
+
+
+def _before_the_fork(event: LoggedEvent) -> LoggedEvent:
+    """An event of the parent as the fork's log tells it; one of a parent's parent is marked already."""
+    message = event.message if event.message.startswith(_BEFORE) else f"{_BEFORE}{event.message}"
+    return event.model_copy(update={"message": message})
 
 
 class LiveMission:
@@ -119,8 +128,11 @@ class LiveMission:
     def begin(self) -> None:
         """Begin the mission's run; the run before it has been closed."""
         self.run.open()
-        for intervention in self._interventions:
-            self.run.log(self._inherited(intervention))
+        before = [self._inherited(intervention) for intervention in self._interventions]
+        if self.fork is not None:
+            before += map(_before_the_fork, self.fork.events)
+        for event in sorted(before, key=lambda event: event.tick):
+            self.run.log(event)
 
     def _inherited(self, intervention: Intervention) -> LoggedEvent:
         """What was done to the parent, so that the fork's log tells all that its ticks follow from."""
@@ -132,7 +144,7 @@ class LiveMission:
             tick=tick,
             kind="config" if command is None else "command",
             severity="info",
-            message=f"before the fork: {what}",
+            message=f"{_BEFORE}{what}",
             at=wall_clock(),
             command=None if command is None else command.value,
             accepted=None if command is None else True,

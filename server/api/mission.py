@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 from fastapi import APIRouter, Query, Response
@@ -18,9 +19,10 @@ from server.history import History
 from server.inbox import CommandAnswer, Request, Revision, arguments_of
 from server.problems import LoopSilent
 from server.published import MissionSnapshot
+from server.run_folder import LoggedEvent
 from server.versions import versions
 from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS, revised
-from sim.errors import MissionRefused
+from sim.errors import MissionRefused, RunNotFound
 
 ANSWER_TIME = 2.0
 """How long the mission thread may take to answer [s]."""
@@ -198,7 +200,17 @@ def _forked(services: Services, run_id: str | None, tick: int) -> Fork:
 
     """
     flight = services.loop.flight
-    return forked(flight if run_id in (None, flight.run_id) else _kept_flight(services, run_id or ""), tick)
+    parent = flight if run_id in (None, flight.run_id) else _kept_flight(services, run_id or "")
+    return replace(forked(parent, tick), events=_events_before(services, parent.run_id, tick))
+
+
+def _events_before(services: Services, run_id: str, tick: int) -> tuple[LoggedEvent, ...]:
+    """What happened in that run before that tick; nothing of a run that was never put on disk."""
+    try:
+        told = map(LoggedEvent.model_validate, services.store.read(run_id).events())
+        return tuple(event for event in told if event.tick < tick and event.takes_effect is None)
+    except RunNotFound:
+        return ()
 
 
 def _kept_flight(services: Services, run_id: str) -> Flight:

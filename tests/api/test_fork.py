@@ -73,9 +73,25 @@ async def test_a_fork_of_a_library_run_goes_its_own_way(console):
     assert flown in again
 
 
-async def test_the_history_reaches_back_before_the_fork(console):
-    await _flown(console)
+async def test_what_was_before_the_fork_stays(console):
+    parent = await _flown(console)
     await console.granted("fork", tick=FORK)
+    now = await console.snapshot()
+    assert [touch["arm"] for touch in now["contacts"]] == ["right"]
+    assert now["peak_tip_force"] > 0.0
+    assert [(stage["phase"], stage["state"]) for stage in now["stages"][:2]] == [
+        ("idle", "done"),
+        ("detumbling", "now"),
+    ]
+    await console.until_run(now["run_id"], "running")
+    told = {
+        run: [each for each in (await console.http.get(f"/runs/{run}/events")).json() if each["tick"] < FORK]
+        for run in (parent, now["run_id"])
+    }
+    kinds = [[each["kind"] for each in events] for events in told.values()]
+    assert kinds[0] == kinds[1]
+    assert {"phase", "plan", "touch"} <= set(kinds[1])
+    assert all(each["message"].startswith("before the fork: ") for each in told[now["run_id"]])
     history = (await console.http.get("/mission/history")).json()
     names = [column["name"] for column in history["columns"]]
     ticks = [row[names.index("mission.tick")] for row in history["rows"]]
