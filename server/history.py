@@ -1,26 +1,47 @@
-"""The mission so far in few rows: what a browser that joins late draws its plots from."""
+"""The mission so far in few rows: what a browser that joins late draws its plots from.
+
+Ticks are taken together in pieces. Of each piece two rows remain: the least and the largest value of every column, so
+that no peak is lost however long the mission lasts.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
+import numpy as np
 from pydantic import Field
+from pydantic_core import to_json
 
 from server.run_folder import TickArray
 from sim.capture.snapshot import Published
-from sim.capture.tick import COLUMNS, Column, column_values
+from sim.capture.tick import ARMS, COLUMNS, Column, column_values
 
-CAPACITY = 3000
-"""Rows at most; the history is thinned to half when it is full."""
+CAPACITY = 1500
+"""Pieces at most; two neighbours become one when it is full."""
 
 FIRST_STRIDE = 16
-"""Ticks between two rows at first: about what a screen shows in a second."""
+"""Ticks in a piece at first: about what a screen shows in a second."""
 
-_PLOTTED_QUANTITIES = ("tick", "time", "phase", "base_pose", "base_twist", "target_pose", "target_twist")
-_PLOTTED_ARM_QUANTITIES = (
+DIGITS = 7
+"""Of a number in JSON: more than any plot shows."""
+
+Values = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class Plotted(NamedTuple):
+    """A column of the history: one of the log, or what plots show that no single column of the log tells."""
+
+    name: str
+    unit: str
+    of: Callable[[TickArray], Values]
+    """Its values over an array of `TICK`, shape (ticks,)."""
+
+
+_QUANTITIES = ("tick", "time", "phase", "base_pose", "base_twist", "target_pose", "target_twist")
+_ARM_QUANTITIES = (
     "joint_rate",
     "commanded_joint_rate",
     "hand_pose",
@@ -28,9 +49,60 @@ _PLOTTED_ARM_QUANTITIES = (
     "hand_wrench",
     "manipulability",
 )
-PLOTTED: tuple[Column, ...] = tuple(
-    column for column in COLUMNS if column.quantity in (*_PLOTTED_QUANTITIES, *_PLOTTED_ARM_QUANTITIES)
+
+
+def _recorded(column: Column) -> Plotted:
+    return Plotted(column.name, column.unit, lambda ticks: column_values(ticks, column).astype(float))
+
+
+def _derived(arm: int, name: str) -> tuple[Plotted, ...]:
+    """Of one arm. The extremes of a force do not follow from those of its components."""
+
+    def error(ticks: TickArray) -> Values:
+        difference: Values = ticks["desired_hand_pose"][:, arm] - ticks["hand_pose"][:, arm]
+        return difference
+
+    return (
+        Plotted(f"{name}.hand_force", "N", lambda ticks: np.hypot(*ticks["hand_wrench"][:, arm, :2].T)),
+        Plotted(f"{name}.position_error", "m", lambda ticks: np.hypot(*error(ticks)[:, :2].T)),
+        Plotted(f"{name}.angle_error", "rad", lambda ticks: error(ticks)[:, 2]),
+    )
+
+
+PLOTTED: tuple[Plotted, ...] = (
+    *(_recorded(column) for column in COLUMNS if column.quantity in (*_QUANTITIES, *_ARM_QUANTITIES)),
+    *(plotted for arm, name in enumerate(ARMS) for plotted in _derived(arm, name)),
 )
+TICK_PLACE, TIME_PLACE, PHASE_PLACE = (
+    [column.name for column in PLOTTED].index(name) for name in ("mission.tick", "mission.time", "mission.phase")
+)
+
+
+def plotted_values(ticks: TickArray) -> Values:
+    """Every column over an array of `TICK`, shape (ticks, columns)."""
+    return np.column_stack([column.of(ticks) for column in PLOTTED])
+
+
+def extremes(values: Values, starts: np.ndarray[Any, np.dtype[np.signedinteger[Any]]]) -> tuple[Values, Values]:
+    """Least and largest values of the pieces that begin at these rows; shapes (pieces, columns)."""
+    return np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
+
+
+def rows_of(low: Values, high: Values) -> list[list[float | None]]:
+    """Two rows a piece, one of a piece with a single tick; what is not finite is null.
+
+    Where ticks are missing between two pieces stands a row of nulls, so that no curve is drawn over the gap.
+    """
+    gap = np.full_like(high, np.nan)
+    gap[:, [TICK_PLACE, PHASE_PLACE]] = high[:, [TICK_PLACE, PHASE_PLACE]] + (0.5, 0.0)
+    gap[:-1, TIME_PLACE] = 0.5 * (high[:-1, TIME_PLACE] + low[1:, TIME_PLACE])
+    missing = np.append(low[1:, TICK_PLACE] - high[:-1, TICK_PLACE] > 1, np.zeros(min(1, len(low)), bool))
+    wanted = np.column_stack([np.ones(len(low), bool), high[:, TICK_PLACE] > low[:, TICK_PLACE], missing])
+    rows = np.stack([low, high, gap], axis=1)[wanted]
+    numbers: list[list[float | None]] = rows.tolist()
+    if not np.isfinite(rows).all():
+        numbers = [[value if math.isfinite(value) else None for value in row] for row in rows.tolist()]
+    return numbers
 
 
 class HistoryColumn(Published):
@@ -40,68 +112,93 @@ class HistoryColumn(Published):
     unit: str
 
 
-class History(Published):
-    """Decimated ticks of the live mission, oldest first."""
-
-    run_id: str = Field(description="Of the mission's run")
-    columns: list[HistoryColumn]
-    rows: list[list[float | None]] = Field(description="One row a kept tick, in the order of the columns")
-
-
-class HistoryRing:
-    """Rows are encoded when they are kept, so that a browser that joins costs no more than joining strings.
-
-    Written by the mission thread; read from any thread: rows are only appended, or replaced together with their run.
-    """
-
-    def __init__(self) -> None:
-        self._content = _Content("", FIRST_STRIDE, [])
-
-    def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
-        """Hold nothing but that past: another mission begins, with that run."""
-        stride, rows = (FIRST_STRIDE, []) if past is None else (past._content.stride, list(past._content.rows))
-        self._content = _Content(run_id, stride, rows)
-
-    def keep(self, ticks: TickArray) -> None:
-        """Keep every stride-th of these rows of `TICK`."""
-        kept = ticks[ticks["tick"] % self._content.stride == 0]
-        if not len(kept):
-            return
-        columns = [column_values(kept, column).tolist() for column in PLOTTED]
-        rows = self._content.rows
-        for tick, row in zip(kept["tick"].tolist(), zip(*columns, strict=True), strict=True):
-            rows.append((tick, _encoded(row)))
-        while len(self._content.rows) >= CAPACITY:
-            self._thin()
-
-    def encoded(self, since: int = -1) -> str:
-        """The members of `History` as JSON, of the ticks after `since`; for any thread."""
-        content = self._content  # one look: a run and its rows are replaced together
-        rows = ",".join(text for tick, text in list(content.rows) if tick > since)
-        return f'"run_id":{json.dumps(content.run_id)},"columns":{_ENCODED_COLUMNS},"rows":[{rows}]'
-
-    def _thin(self) -> None:
-        run_id, stride, rows = self._content
-        self._content = _Content(run_id, 2 * stride, [row for row in rows if row[0] % (2 * stride) == 0])
-
-
-class _Content(NamedTuple):
-    """Rows by their ticks, of one run."""
-
-    run_id: str
-    stride: int
-    rows: list[tuple[int, str]]
-
-
+HISTORY_COLUMNS = [HistoryColumn(name=column.name, unit=column.unit) for column in PLOTTED]
 _ENCODED_COLUMNS = json.dumps([{"name": column.name, "unit": column.unit} for column in PLOTTED])
 
 
-def _encoded(row: Sequence[float]) -> str:
-    return "[" + ",".join(map(_encoded_number, row)) + "]"
+class History(Published):
+    """Ticks of a run in few rows, oldest first."""
+
+    run_id: str = Field(description="Of the mission's run")
+    columns: list[HistoryColumn]
+    rows: list[list[float | None]] = Field(
+        description="Two rows for each piece of time, the least and the largest value of every column"
+    )
 
 
-def _encoded_number(value: float) -> str:
-    """Seven digits are more than any plot shows; JSON has no word for what is not finite."""
-    if isinstance(value, int):
-        return str(value)
-    return format(value, ".7g") if math.isfinite(value) else "null"
+class _Block:
+    """Room for the pieces of a run's history. Rows below `count` never change."""
+
+    def __init__(self, run_id: str, low: Values, high: Values) -> None:
+        self.run_id = run_id
+        self.low, self.high = (np.empty((CAPACITY, len(PLOTTED))) for _ in range(2))
+        self.count = len(low)
+        self.low[: self.count], self.high[: self.count] = low, high
+
+    def add(self, low: Values, high: Values) -> None:
+        """One piece more."""
+        self.low[self.count], self.high[self.count] = low, high
+        self.count += 1
+
+    def halved(self) -> _Block:
+        """Of every two neighbours one piece."""
+        even = self.count - self.count % 2
+        low = np.fmin(self.low[0:even:2], self.low[1:even:2])
+        return _Block(self.run_id, low, np.fmax(self.high[0:even:2], self.high[1:even:2]))
+
+
+_NOTHING = np.empty((0, len(PLOTTED)))
+
+
+class HistoryRing:
+    """Written by the mission thread, which only takes extremes; read, and encoded, by any thread."""
+
+    def __init__(self) -> None:
+        self._stride = FIRST_STRIDE
+        self._block = _Block("", _NOTHING, _NOTHING)
+        self._waiting: list[TickArray] = []
+
+    def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
+        """Hold nothing but that past: another mission begins, with that run."""
+        self._stride = FIRST_STRIDE if past is None else past._stride
+        low, high = (_NOTHING, _NOTHING) if past is None else past._extremes()
+        self._block = _Block(run_id, low, high)
+        self._waiting = [] if past is None else list(past._waiting)
+
+    def keep(self, ticks: TickArray) -> None:
+        """Take in rows of `TICK` that follow those before; they show when their piece is whole."""
+        if not len(ticks):
+            return
+        self._waiting.append(ticks)
+        first, last = (int(tick) // self._stride for tick in (self._waiting[0]["tick"][0], ticks["tick"][-1]))
+        if first == last:
+            return
+        waiting = np.concatenate(self._waiting)
+        numbers = waiting["tick"] // self._stride
+        starts = np.flatnonzero(np.diff(numbers, prepend=numbers[0] - 1))
+        self._waiting = [waiting[starts[-1] :]]
+        for low, high in zip(*extremes(plotted_values(waiting[: starts[-1]]), starts[:-1]), strict=True):
+            if self._block.count == CAPACITY:
+                self._stride *= 2
+                self._block = self._block.halved()
+            self._block.add(low, high)
+
+    def encoded(self, since: int = -1) -> str:
+        """The members of `History` as JSON, of the pieces with ticks after `since`; for any thread."""
+        block = self._block  # one look: a run and its rows are replaced together
+        low, high = block.low[: block.count], block.high[: block.count]
+        wanted = high[:, TICK_PLACE] > since
+        rows = to_json(rows_of(_rounded(low[wanted]), _rounded(high[wanted])))
+        return f'"run_id":{json.dumps(block.run_id)},"columns":{_ENCODED_COLUMNS},"rows":{rows.decode()}'
+
+    def _extremes(self) -> tuple[Values, Values]:
+        return self._block.low[: self._block.count], self._block.high[: self._block.count]
+
+
+def _rounded(values: Values) -> Values:
+    """To so many digits, the tick's number left whole; what is not finite stays."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(np.abs(values))))
+        rounded = np.where((values == 0) | ~np.isfinite(scale), values, np.round(values * scale) / scale)
+    rounded[:, TICK_PLACE] = values[:, TICK_PLACE]
+    return rounded

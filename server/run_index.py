@@ -116,8 +116,8 @@ class RunIndex:
         self._memory: sqlite3.Connection | None = None
         self._file_from = 0.0
 
-    def find(self, query: RunQuery, limit: int, after: str | None = None) -> Found:
-        """The runs that fit, at most `limit` of those that come after the run `after`.
+    def find(self, query: RunQuery, limit: int, after: str | None = None, skipped: int = 0) -> Found:
+        """The runs that fit, at most `limit` of those that come after the run `after`, so many skipped.
 
         Raises:
             ConfigError: `after` is no longer there, so that its place in this order is not known.
@@ -134,8 +134,8 @@ class RunIndex:
             direction = "ASC" if query.ascending else "DESC"
             where = " AND ".join(conditions)
             found = rows.execute(
-                f"SELECT id FROM runs WHERE {where} ORDER BY {key} {direction}, id {direction} LIMIT ?",
-                [*values, limit + 1],
+                f"SELECT id FROM runs WHERE {where} ORDER BY {key} {direction}, id {direction} LIMIT ? OFFSET ?",
+                [*values, limit + 1, skipped],
             )
             ids = [name for (name,) in found]
         return Found(ids[:limit], ids[limit - 1] if len(ids) > limit else None, total)

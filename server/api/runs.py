@@ -81,6 +81,7 @@ class RunFilter(BaseModel):
 
     limit: int = Field(50, ge=1, le=200, description="Runs on a page")
     cursor: ShortText | None = Field(None, description="`next_cursor` of the page before")
+    offset: int = Field(0, ge=0, le=2**31, description="Runs to skip; a cursor is surer while runs come and go")
     kind: RunKind | None = None
     status: RunStatus | None = None
     outcome: OutcomeClass | None = Field(None, description="The verdict: that at locked arms")
@@ -214,9 +215,9 @@ def runs(
     if_none_match: IfNoneMatch = None,
 ) -> RunPage:
     """The library, newest first."""
-    found = services.index.find(_query(wanted), wanted.limit, wanted.cursor)
+    found = services.index.find(_query(wanted), wanted.limit, wanted.cursor, wanted.offset)
     readers = [reader for reader in map(services.store.find, found.ids) if reader is not None]
-    strange = {} if wanted.cursor else services.index.unreadable()
+    strange = {} if wanted.cursor or wanted.offset else services.index.unreadable()
     page = RunPage(
         runs=[_summary(reader) for reader in readers],
         total=found.total,
@@ -228,7 +229,7 @@ def runs(
 
 def _query(wanted: RunFilter) -> RunQuery:
     order = wanted.sort.removeprefix("-")
-    chosen = wanted.model_dump(exclude={"limit", "cursor", "sort"})
+    chosen = wanted.model_dump(exclude={"limit", "cursor", "offset", "sort"})
     return RunQuery(**chosen, sort=cast(SortKey, order), ascending=not wanted.sort.startswith("-"))
 
 

@@ -34,7 +34,7 @@ def addresses(service: Service) -> dict[str, str]:
     service.ask("/mission/commands", {"command": "detumble"})
     return {
         "/": "Tip force",
-        "/#/runs": "Every run, every tick",
+        "/#/runs": "Paper's verdict: every",
         f"/#/runs/{one}/{other}": "Two runs",
         f"/#/studies/{study}": "finished",
         "/#/link": "simulation",

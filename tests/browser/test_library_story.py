@@ -21,11 +21,12 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     direct, seeded = _flown(service, direct=True), _flown(service, seed=11)
     console.get_by_role("link", name="Runs", exact=True).click()
     expect(console.get_by_role("button", name="STOP")).to_be_enabled()
-    library = console.get_by_role("list", name="Runs", exact=True)
+    table = console.get_by_role("region", name="Table of runs")
     choose(console, "Kind", "scripted")
-    mine = library.locator(f"a[href='#/runs/{direct}']")
-    expect(mine).to_contain_text(re.compile("caged|collision|ejection"))
-    mine.click()
+    mine = table.locator(f"[data-run='{direct}']")
+    expect(mine.locator("[data-column=outcome]")).to_contain_text(re.compile("caged|collision|ejection"))
+    mine.get_by_role("link").first.click()
+    library = console.get_by_role("list", name="Runs", exact=True)
 
     view = console.get_by_role("region", name=f"Run {direct}")
     expect(view.get_by_role("status").first).to_contain_text("finished")
@@ -39,18 +40,22 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     kept = service.ask(f"/runs/{direct}")
     assert (kept["starred"], kept["notes"][0]["text"]) == (True, "the comparison of the paper")
 
+    items = library.get_by_role("listitem")
     console.get_by_label("Search runs").fill("COMPARISON")
-    expect(library.get_by_role("link")).to_have_count(1)
+    expect(items).to_have_count(1)
+    console.reload()
+    expect(items).to_have_count(1)  # the address keeps what is asked for
     console.get_by_label("Search runs").fill("")
     console.get_by_label("Starred only").click()
-    expect(library.get_by_role("link")).to_have_count(1)
+    expect(items).to_have_count(1)
     console.get_by_label("Starred only").click()
+    expect(items.filter(has=console.locator(f"a[href^='#/runs/{seeded}']"))).to_have_count(1)
 
-    library.locator(f"a[href='#/runs/{seeded}']").click()
+    library.locator(f"a[href^='#/runs/{seeded}']").first.click()
     other = console.get_by_role("region", name=f"Run {seeded}")
     expect(other.get_by_role("status").first).to_contain_text("finished")
 
-    entry = library.get_by_role("listitem").filter(has=console.locator(f"a[href='#/runs/{direct}']"))
+    entry = library.get_by_role("listitem").filter(has=console.locator(f"a[href^='#/runs/{direct}']"))
     entry.hover()
     entry.get_by_role("link", name="Compare").click()
     both = other.get_by_role("region", name="Two runs")
@@ -64,7 +69,8 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
 
     other.get_by_role("button", name="Delete").click()
     other.get_by_role("button", name="Delete for good?").click()
-    expect(library.locator(f"a[href='#/runs/{seeded}']")).to_have_count(0)
+    expect(table.locator(f"[data-run='{direct}']")).to_be_visible()
+    expect(table.locator(f"[data-run='{seeded}']")).to_have_count(0)
     assert seeded not in [run["id"] for run in service.ask("/runs")["runs"]]
 
 

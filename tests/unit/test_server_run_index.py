@@ -47,6 +47,7 @@ def test_newest_first_page_by_page(store, index):
     assert first == (ids[:2], ids[1], 5)
     second = index.find(RunQuery(), 2, first.following)
     assert index.find(RunQuery(), 2, second.following) == (ids[4:], None, 5)
+    assert index.find(RunQuery(), 2, skipped=3) == (ids[3:], None, 5)
 
 
 def test_what_is_written_changed_or_removed_is_known_at_once(store, index):

@@ -136,16 +136,39 @@ export const readHistory = (since: number): Promise<History> =>
 export const readEvents = (id: string): Promise<MissionEvent[]> =>
   bodyOf(client.GET("/api/v1/runs/{run_id}/events", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
 
-export const listRuns = (query: RunsQuery): Promise<RunPage> =>
-  bodyOf(client.GET("/api/v1/runs", { params: { query }, ...within(ANSWER_TIME) }));
+export interface Tagged<Body> {
+  readonly body: Body;
+  /** Names this very answer: an `ETag`. */
+  readonly tag: string | null;
+}
+
+/** @param known the tag of the answer that is there already; null is answered while it is still right. */
+export async function listRuns(query: RunsQuery, known: string | null): Promise<Tagged<RunPage> | null> {
+  let response: Response | undefined;
+  const header = known === null ? {} : { "If-None-Match": known };
+  const reply = client.GET("/api/v1/runs", { params: { query, header }, ...within(ANSWER_TIME) }).then((answer) => {
+    response = answer.response;
+    return answer;
+  });
+  try {
+    const body = await bodyOf(reply);
+    return { body, tag: response?.headers.get("ETag") ?? null };
+  } catch (cause) {
+    if (response?.status === 304) return null;
+    throw cause;
+  }
+}
 
 export const readRun = (id: string): Promise<Run> =>
   bodyOf(client.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
 
-/** The run in at most so many rows, the extremes of every stretch of time among them. */
-export const readTicks = (id: string, points: number): Promise<History> =>
+/** The run, or a stretch of it in seconds, in at most so many rows, the extremes of every piece of time among them. */
+export const readTicks = (id: string, points: number, stretch?: { readonly from: number; readonly to: number }): Promise<History> =>
   bodyOf(
-    client.GET("/api/v1/runs/{run_id}/ticks", { params: { path: { run_id: id }, query: { points } }, ...within(30_000) }),
+    client.GET("/api/v1/runs/{run_id}/ticks", {
+      params: { path: { run_id: id }, query: { points, ...stretch } },
+      ...within(30_000),
+    }),
   );
 
 export const remarkRun = (id: string, change: RemarksChange): Promise<Run> =>

@@ -21,9 +21,9 @@ function decoded(part: string): string {
   }
 }
 
-/** `#/studies/20261125T103000123-4f9a2c`, `#/runs/ONE/OTHER` and the like; anything unknown is the mission. */
+/** `#/studies/20261125T103000123-4f9a2c`, `#/runs/ONE/OTHER` and the like; what follows a `?` is the page's own; anything unknown is the mission. */
 export function routeOf(hash: string): Route {
-  const [name = "", item = "", other = ""] = hash.replace(/^#\/?/, "").split("/");
+  const [name = "", item = "", other = ""] = hash.replace(/^#\/?/, "").replace(/\?.*$/, "").split("/");
   const page = PAGES.find((known) => known === name) ?? "mission";
   return { page, item: decoded(item), other: decoded(other) };
 }

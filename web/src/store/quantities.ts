@@ -2,7 +2,7 @@
 import type { MissionSnapshot } from "../api/types";
 import { phaseCode } from "./phases";
 
-/** Reads one column of a history row by its name; NaN if the history has no such column. */
+/** Reads one column of a history row by its name; NaN if it has none, or nothing was recorded there. */
 export type Cell = (name: string) => number;
 
 interface Quantity {
@@ -47,8 +47,6 @@ type Pose = readonly [number, number, number];
 
 const distance = (one: Pose, other: Pose): number => Math.hypot(one[0] - other[0], one[1] - other[1]);
 
-const poseIn = (cell: Cell, name: string): Pose => [cell(`${name}.x`), cell(`${name}.y`), cell(`${name}.angle`)];
-
 /** Of one arm: rates of its joints, and how far its hand is from where the plan wants it. */
 function armQuantities(arm: Arm): [QuantityName, Quantity][] {
   const rates = JOINTS.flatMap((joint): [QuantityName, Quantity][] => [
@@ -67,14 +65,14 @@ function armQuantities(arm: Arm): [QuantityName, Quantity][] {
       `${arm}PositionError`,
       {
         ofSnapshot: (s) => distance(s[arm].desired_hand_pose, s[arm].hand_pose),
-        ofRow: (cell) => distance(poseIn(cell, `${arm}.desired_hand_pose`), poseIn(cell, `${arm}.hand_pose`)),
+        ofRow: (cell) => cell(`${arm}.position_error`),
       },
     ],
     [
       `${arm}AngleError`,
       {
         ofSnapshot: (s) => s[arm].desired_hand_pose[2] - s[arm].hand_pose[2],
-        ofRow: (cell) => cell(`${arm}.desired_hand_pose.angle`) - cell(`${arm}.hand_pose.angle`),
+        ofRow: (cell) => cell(`${arm}.angle_error`),
       },
     ],
   ];
@@ -86,11 +84,11 @@ const FIRST_QUANTITIES: Readonly<Record<(typeof FIRST_NAMES)[number], Quantity>>
   phase: { ofSnapshot: (s) => phaseCode(s.phase), ofRow: (cell) => cell("mission.phase") },
   leftForce: {
     ofSnapshot: (s) => Math.hypot(s.left.hand_wrench[0], s.left.hand_wrench[1]),
-    ofRow: (cell) => Math.hypot(cell("left.hand_wrench.x"), cell("left.hand_wrench.y")),
+    ofRow: (cell) => cell("left.hand_force"),
   },
   rightForce: {
     ofSnapshot: (s) => Math.hypot(s.right.hand_wrench[0], s.right.hand_wrench[1]),
-    ofRow: (cell) => Math.hypot(cell("right.hand_wrench.x"), cell("right.hand_wrench.y")),
+    ofRow: (cell) => cell("right.hand_force"),
   },
   spin: { ofSnapshot: (s) => s.spin, ofRow: (cell) => cell("target.twist.angle") },
   baseRate: { ofSnapshot: (s) => s.base.twist[2], ofRow: (cell) => cell("base.twist.angle") },

@@ -57,11 +57,12 @@ describe("the mission over time", () => {
 
   it("reads a history by the names of its columns, NaN for those it lacks", () => {
     const [row] = samplesOfTable({
-      columns: ["mission.tick", "left.hand_wrench.y", "left.hand_wrench.x"].map((name) => ({ name })),
-      rows: [[7, 4, 3]],
+      columns: ["mission.tick", "right.hand_force", "left.hand_force"].map((name) => ({ name })),
+      rows: [[7, null, 5]],
     });
     expect(row?.tick).toBe(7);
     expect(row?.leftForce).toBe(5);
+    expect(row?.rightForce).toBeNaN();
     expect(row?.spin).toBeNaN();
   });
 });

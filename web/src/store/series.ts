@@ -57,10 +57,10 @@ export class Series {
     const first = samples[0];
     const last = samples.at(-1);
     if (first === undefined || last === undefined) return;
-    const kept = this.rowsWhere((tick) => tick < first.tick || tick > last.tick);
-    const merged = [...kept, ...samples].sort((one, other) => one.tick - other.tick);
-    this.length = 0;
-    for (const sample of merged) {
+    const end = this.rowAfter(last.tick);
+    const later = Array.from({ length: this.length - end }, (_, row) => this.read(end + row));
+    this.length = this.rowAfter(first.tick - 0.25);
+    for (const sample of [...samples, ...later]) {
       if (this.length === this.capacity) this.thin();
       this.write(this.length, sample);
       this.length += 1;
@@ -99,12 +99,11 @@ export class Series {
     return spans;
   }
 
-  private rowsWhere(wanted: (tick: number) => boolean): Sample[] {
-    const rows: Sample[] = [];
-    for (let row = 0; row < this.length; row += 1) {
-      if (wanted(this.at("tick", row))) rows.push(this.read(row));
-    }
-    return rows;
+  /** First row of a later tick; half ticks mark what is missing between two. */
+  private rowAfter(tick: number): number {
+    let row = this.length;
+    while (row > 0 && this.at("tick", row - 1) > tick) row -= 1;
+    return row;
   }
 
   private read(row: number): Sample {

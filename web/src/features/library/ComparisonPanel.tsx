@@ -8,6 +8,8 @@ import styles from "./ComparisonPanel.module.css";
 import { choices, figures, type Line } from "./comparison";
 
 interface ComparisonPanelProps {
+  /** The address of this run alone. */
+  readonly end: string;
   readonly one: Run;
   readonly other: Run;
   readonly align: Alignment;
@@ -33,10 +35,10 @@ function Lines({ lines, label }: { readonly lines: readonly Line[]; readonly lab
   );
 }
 
-export function ComparisonPanel({ one, other, align, onAlign }: ComparisonPanelProps) {
+export function ComparisonPanel({ end, one, other, align, onAlign }: ComparisonPanelProps) {
   const chosen = choices(one, other);
   return (
-    <Panel title="Two runs" aside={<a className={styles.end} href={hashOf({ page: "runs", item: one.id })}>End comparison</a>}>
+    <Panel title="Two runs" aside={<a className={styles.end} href={end}>End comparison</a>}>
       <table className={styles.table}>
         <thead>
           <tr>

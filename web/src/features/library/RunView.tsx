@@ -5,7 +5,7 @@ import { ConfirmButton } from "../../app/ConfirmButton";
 import { DownloadLink } from "../../app/DownloadLink";
 import { Facts, type Fact } from "../../app/Facts";
 import { Panel } from "../../app/Panel";
-import { go, hashOf } from "../../app/route";
+import { hashOf } from "../../app/route";
 import { useDoing, type Doing } from "../../app/use-doing";
 import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
@@ -25,7 +25,13 @@ import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
 import { ComparisonPanel } from "./ComparisonPanel";
 import styles from "./LibraryPage.module.css";
+import { ask, runHash, type LibraryQuery } from "./query";
 import { isUnderWay, type Recording } from "./use-library";
+import { verdictWords } from "./Verdict";
+import { changeWords, configurationWords } from "./words";
+
+/** What became of it, at the top of the page: what stands below may be out of sight. */
+const endingOf = (run: Run): string => (run.outcome === null ? run.status : `${run.status}: ${verdictWords(run)}`);
 
 const LOGS = [
   ["mcap", "MCAP"],
@@ -33,22 +39,22 @@ const LOGS = [
   ["csv", "CSV"],
 ] as const;
 
-function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+function Head({ run, query, doing }: { readonly run: Run; readonly query: LibraryQuery; readonly doing: Doing }) {
   const againstDeleting = useReasonByRole("admin");
   const againstRemarks = useReasonByRole("operator");
   const star = () => doing(() => remarkRun(run.id, { starred: !run.starred }));
   const remove = () =>
     doing(async () => {
       await deleteRun(run.id);
-      go("runs");
+      ask(query);
     });
   return (
     <header className={styles.head}>
       <ActionIcon aria-label={run.starred ? "Take the star away" : "Star this run"} aria-pressed={run.starred} disabled={againstRemarks !== null} title={againstRemarks ?? undefined} onClick={() => void star()}>
         {run.starred ? "★" : "☆"}
       </ActionIcon>
-      <h2>{run.id}</h2>
-      <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : run.status}</span>
+      <h2>{run.name === "" ? run.id : run.name}</h2>
+      <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : endingOf(run)}</span>
       <span className={styles.spring} />
       {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
       {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void doing(() => cancelRun(run.id))}>Cancel</RoleButton>}
@@ -59,7 +65,9 @@ function Head({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
 
 function RunFacts({ run }: { readonly run: Run }) {
   const facts: readonly Fact[] = [
-    ["Configuration", `${run.configuration}${run.direct ? ", direct caging" : ""}`],
+    ["Run", run.id],
+    ["Configuration", configurationWords(run)],
+    ["Changed", run.changes.length === 0 ? "nothing" : run.changes.map(changeWords).join("\n")],
     ["Impedance m, d, k", Object.values(run.config.control.impedance).map(plain).join(", ")],
     ["Seed", String(run.seed)],
     ["Recorded", `${run.ticks} ticks, ${fixed(run.size_bytes / 1e6, 1)} MB`],
@@ -153,7 +161,42 @@ function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doin
   );
 }
 
+/** Tags as a person types them, with commas between. */
+const tagsOf = (typed: string): string[] => typed.split(",").map((tag) => tag.trim()).filter((tag) => tag !== "");
+
+function NameAndTags({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+  const [name, setName] = useState<string | null>(null);
+  const [tags, setTags] = useState<string | null>(null);
+  const against = useReasonByRole("operator");
+  const keep = () =>
+    doing(async () => {
+      await remarkRun(run.id, { ...(name !== null && { name }), ...(tags !== null && { tags: tagsOf(tags) }) });
+      setName(null);
+      setTags(null);
+    });
+  const forget = () => {
+    setName(null);
+    setTags(null);
+  };
+  const edited = name !== null || tags !== null;
+  return (
+    <Panel title="Name and tags">
+      <div className={styles.writing}>
+        <TextInput aria-label="Name of this run" placeholder="A name to know it by" maxLength={100} disabled={against !== null} value={name ?? run.name} onChange={(event) => { setName(event.currentTarget.value); }} />
+        <TextInput aria-label="Tags of this run" placeholder="Tags, with commas between" disabled={against !== null} value={tags ?? run.tags.join(", ")} onChange={(event) => { setTags(event.currentTarget.value); }} />
+        {edited && (
+          <div className={styles.keep}>
+            <Button onClick={() => void keep()}>Keep</Button>
+            <Button variant="subtle" onClick={forget}>As it was</Button>
+          </div>
+        )}
+      </div>
+    </Panel>
+  );
+}
+
 interface RunViewProps {
+  readonly query: LibraryQuery;
   readonly recording: Recording;
   /** What it is compared with; null for nothing, or while that is read. */
   readonly compared: Recording | null;
@@ -162,19 +205,19 @@ interface RunViewProps {
   readonly onChange: () => void;
 }
 
-export function RunView({ recording, compared, missing, onChange }: RunViewProps) {
+export function RunView({ recording, compared, missing, query, onChange }: RunViewProps) {
   const { run, store } = recording;
   const [align, setAlign] = useState<Alignment>("motion");
   const beside = useMemo(
-    () => (store === null || !compared?.store ? null : comparedWith(store.series, compared.store.series, align)),
+    () => (store === null || !compared?.store ? null : comparedWith(store.series, compared.store.series, compared.run.id, align)),
     [store, compared, align],
   );
   const { doing: asked, refusal } = useDoing();
   const doing: Doing = (work) => asked(() => work().then(onChange));
-  const [player] = useState(() => new Player(run.duration, run.config.control.period));
+  const [player] = useState(() => new Player(run.duration, run.config.control.period, store?.series.firstMotion));
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
-      <Head run={run} doing={doing} />
+      <Head run={run} query={query} doing={doing} />
       {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
       <div className={styles.columns}>
         <div className={styles.column}>
@@ -185,7 +228,7 @@ export function RunView({ recording, compared, missing, onChange }: RunViewProps
               <ComparedContext value={beside}>
               <ReplayPanel run={run.id} end={run.duration} player={player} />
               <div className={styles.plots}>
-                <PlotPanel player={player} />
+                <PlotPanel replayed={{ run, player }} />
               </div>
               <EventLog recorded />
               </ComparedContext>
@@ -194,13 +237,14 @@ export function RunView({ recording, compared, missing, onChange }: RunViewProps
         </div>
         <div className={styles.side}>
           {missing !== null && <p className={styles.refusal} role="alert">{`${missing.message} ${missing.tip}`}</p>}
-          {compared !== null && <ComparisonPanel one={run} other={compared.run} align={align} onAlign={setAlign} />}
+          {compared !== null && <ComparisonPanel end={runHash(query, run.id)} one={run} other={compared.run} align={align} onAlign={setAlign} />}
           <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
             {run.outcome !== null && <Ending outcome={run.outcome} />}
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <RunFacts run={run} />
           </Panel>
           {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} player={player} />}
+          <NameAndTags run={run} doing={doing} />
           <Notes run={run} doing={doing} player={player} />
         </div>
       </div>

@@ -12,7 +12,8 @@ export interface Line {
 const ofOutcome = (run: Run, read: (outcome: Outcome) => string): string => (run.outcome === null ? "—" : read(run.outcome));
 
 const FIGURES: readonly (readonly [string, (run: Run) => string])[] = [
-  ["Outcome", (run) => ofOutcome(run, (outcome) => lookOf(outcome.outcome).words)],
+  ["Verdict", (run) => ofOutcome(run, (outcome) => lookOf(outcome.outcome).words)],
+  ["Paper's verdict (at first closure)", (run) => ofOutcome(run, (outcome) => lookOf(outcome.at_first_closure).words)],
   ["Touches", (run) => ofOutcome(run, (outcome) => String(outcome.contacts.length))],
   ["Closed at", (run) => ofOutcome(run, ({ closed_at: at }) => (at === null ? "never" : clock(at, 2)))],
   ["Peak to closure, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force_to_closure, 3))],

@@ -1,70 +1,63 @@
-/** The runs that fit a filter, and one of them as a recording that plots and events read like a mission. */
+/** The runs that fit a query, and one of them as a recording that plots and events read like a mission. */
 import { useEffect, useState } from "react";
 import { Refusal } from "../../api/refusal";
 import { listRuns, readEvents, readRun, readTicks } from "../../api/service";
-import type { Run, RunPage, RunsQuery, RunSummary } from "../../api/types";
+import type { Run, RunPage, RunSummary } from "../../api/types";
 import { MissionStore } from "../../store/mission";
 import { samplesOfTable } from "../../store/quantities";
+import { usePageVisible } from "../../ui/use-page-visible";
+import { requestOf, type LibraryQuery } from "./query";
 
-/** Milliseconds between two looks. */
-const LIST_PERIOD = 4000;
+/** Milliseconds between two looks: while a run of the page flies, and else. */
+const LIVELY_PERIOD = 2000;
+const CALM_PERIOD = 10_000;
 const RUN_PERIOD = 1000;
-/** Milliseconds after the last key of a search. */
-const TYPING_PAUSE = 250;
-const PAGE = 50;
 const POINTS = 4000;
 
 export const isUnderWay = (run: RunSummary): boolean => run.status === "queued" || run.status === "running";
 
 export interface Library {
   readonly runs: readonly RunSummary[];
+  readonly total: number;
   readonly unreadable: RunPage["unreadable"];
-  readonly more: boolean;
   readonly refusal: Refusal | null;
   readonly read: boolean;
 }
 
-const EMPTY: Library = { runs: [], unreadable: [], more: false, refusal: null, read: false };
+const EMPTY: Library = { runs: [], total: 0, unreadable: [], refusal: null, read: false };
 
-/** Up to `pages` pages of the library, read again and again while it is shown. */
-export function useLibrary(shown: boolean, query: RunsQuery, pages: number, edition: number): Library {
+/** A page of the library, looked at again while it is shown: what has not changed is not sent again. */
+export function useLibrary(shown: boolean, query: LibraryQuery, edition: number): Library {
   const [library, setLibrary] = useState(EMPTY);
-  const asked = JSON.stringify(query);
+  const visible = usePageVisible();
   useEffect(() => {
-    if (!shown) return undefined;
+    if (!shown || !visible) return undefined;
     let wanted = true;
     let timer: ReturnType<typeof setTimeout> | undefined;
+    let known: string | null = null;
+    let lively = false;
     const look = async (): Promise<void> => {
       try {
-        const found = await readPages(JSON.parse(asked) as RunsQuery, pages);
-        if (wanted) setLibrary(found);
+        const found = await listRuns(requestOf(query), known);
+        if (found !== null && wanted) {
+          known = found.tag;
+          lively = found.body.runs.some(isUnderWay);
+          setLibrary({ ...found.body, refusal: null, read: true });
+        }
       } catch (cause) {
         if (!(cause instanceof Refusal)) throw cause;
+        known = null;
         if (wanted) setLibrary((before) => ({ ...before, refusal: cause }));
       }
-      if (wanted) timer = setTimeout(() => void look(), LIST_PERIOD);
+      if (wanted) timer = setTimeout(() => void look(), lively ? LIVELY_PERIOD : CALM_PERIOD);
     };
-    timer = setTimeout(() => void look(), TYPING_PAUSE);
+    void look();
     return () => {
       wanted = false;
       clearTimeout(timer);
     };
-  }, [shown, asked, pages, edition]);
+  }, [shown, visible, query, edition]);
   return library;
-}
-
-async function readPages(query: RunsQuery, pages: number): Promise<Library> {
-  const runs: RunSummary[] = [];
-  let unreadable: RunPage["unreadable"] = [];
-  let cursor: string | null = null;
-  for (let page = 0; page < pages; page += 1) {
-    const found: RunPage = await listRuns({ ...query, limit: PAGE, ...(cursor === null ? {} : { cursor }) });
-    runs.push(...found.runs);
-    if (page === 0) unreadable = found.unreadable;
-    cursor = found.next_cursor;
-    if (cursor === null) break;
-  }
-  return { runs, unreadable, more: cursor !== null, refusal: null, read: true };
 }
 
 export interface Recording {
@@ -82,11 +75,12 @@ async function readRecording(id: string): Promise<Recording> {
   return { run, store };
 }
 
-/** One run with what was recorded of it; read again while it flies. */
+/** One run with what was recorded of it; read again while it flies and somebody looks. */
 export function useRecording(id: string, edition: number): { readonly recording: Recording | null; readonly refusal: Refusal | null } {
   const [state, setState] = useState<{ recording: Recording | null; refusal: Refusal | null }>({ recording: null, refusal: null });
+  const visible = usePageVisible();
   useEffect(() => {
-    if (id === "") return undefined;
+    if (id === "" || !visible) return undefined;
     let wanted = true;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const look = async (): Promise<void> => {
@@ -105,6 +99,6 @@ export function useRecording(id: string, edition: number): { readonly recording:
       wanted = false;
       clearTimeout(timer);
     };
-  }, [id, edition]);
+  }, [id, edition, visible]);
   return state.recording?.run.id === id || state.refusal !== null ? state : { recording: null, refusal: null };
 }

@@ -8,13 +8,18 @@ import { fixed, shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
 import { comparedAt, useCompared, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
+import { plotFigure } from "./figure";
+import { figureOf, type FigureSource } from "./figure-of";
 import type { Curve, Known, PlotDefinition } from "./plot-set";
+import { ExportMenu } from "../../ui/export/ExportMenu";
 import styles from "./Plot.module.css";
 import type { Range } from "./timeview";
 
 /** What the panel tells each plot for every frame. */
 export interface PlotFrame {
+  /** What is drawn: a stretch as finely as the screen can show it, or the whole. */
   readonly series: Series;
+  readonly whole: Series;
   readonly compared: Compared | null;
   readonly range: Range;
   readonly known: Known;
@@ -29,6 +34,8 @@ interface PlotProps {
   /** Names the times beneath. */
   readonly timed: boolean;
   readonly events: ChartEvents;
+  /** What a figure says of where it comes from, and its file is named by. */
+  readonly source: FigureSource;
   /** Takes the function that draws; returns what withdraws it. */
   readonly register: (draw: DrawPlot) => () => void;
 }
@@ -41,20 +48,22 @@ function Sign({ curve }: { readonly curve: Curve }) {
   );
 }
 
-export function Plot({ definition, timed, events, register }: PlotProps) {
+export function Plot({ definition, timed, events, source, register }: PlotProps) {
   const { angles } = usePreferences();
   const { colorScheme } = useMantineColorScheme();
   const place = useRef<HTMLDivElement>(null);
   const values = useRef<(HTMLElement | null)[]>([]);
   const others = useRef<(HTMLElement | null)[]>([]);
   const comparing = useCompared() !== null;
+  const last = useRef<PlotFrame | null>(null);
   const scale = useMemo(() => definition.as ?? shown(definition.unit, angles), [definition, angles]);
 
   // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
   const decimals = definition.as ? definition.decimals : Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
 
   const showValues = useCallback(
-    ({ series, compared }: PlotFrame, time: number) => {
+    ({ series: drawn, whole, range, compared }: PlotFrame, time: number) => {
+      const series = time >= range.from && time <= range.to ? drawn : whole;
       const row = Math.min(series.rowAt(time), series.length - 1);
       definition.curves.forEach(({ quantity }, index) => {
         const element = values.current[index];
@@ -73,6 +82,7 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
     const colours = canvasColours();
     const chart = new Chart(definition, scale, colours, element, events, timed, comparing);
     const withdraw = register((frame) => {
+      last.current = frame;
       const levels = definition.levels(frame.known).map(({ label, value }) => ({ label, value: value * scale.factor }));
       chart.draw(frame.series, frame.range, { ...frame.decorations, levels, colours }, frame.compared);
       const cursor = chart.cursorTime;
@@ -117,6 +127,12 @@ export function Plot({ definition, timed, events, register }: PlotProps) {
           </span>
         ))}
         <span className={styles.unit}>{scale.unit}</span>
+        <ExportMenu
+          compact
+          what={`the plot of ${definition.title.toLowerCase()}`}
+          name={`${source.file}-${definition.id}`}
+          draw={() => plotFigure(figureOf(definition, scale, last.current, source))}
+        />
       </figcaption>
       <div ref={place} className={styles.chart} />
     </figure>

@@ -4,15 +4,21 @@ import { useMediaQuery } from "@mantine/hooks";
 import { useMemo, useRef, useState } from "react";
 import { Panel } from "../../app/Panel";
 import { useKept } from "../../app/preferences";
-import { useStore } from "../../store/context";
+import type { Run } from "../../api/types";
+import { useConfiguration } from "../../store/configuration";
+import { useSnapshot, useStore } from "../../store/context";
 import { Icon } from "../../theme/Icon";
 import type { Player } from "../replay/player";
 import type { ChartEvents } from "./chart";
+import { useCompared } from "./compared";
+import { useDetail } from "./detail";
+import type { FigureSource } from "./figure-of";
 import { Plot } from "./Plot";
 import styles from "./PlotPanel.module.css";
 import { BESIDE, PAIR_NAMES, PAIRS } from "./plot-set";
 import { chosen, FOLLOW, rangeOf, zoomedAbout, type TimeView, type Window } from "./timeview";
 import { useDrawing } from "./use-drawing";
+import { useTruePeaks } from "./use-true-peaks";
 
 /** Room for all plots at once. */
 const WIDE = "(min-width: 1700px)";
@@ -69,9 +75,39 @@ function interleaved<Item>(one: readonly Item[], other: readonly Item[]): Item[]
   return one.flatMap((item, place) => [item, ...other.slice(place, place + 1)]);
 }
 
+/** Seconds behind the newest tick within which a run in progress may not be on disk yet. */
+const ON_DISK = 2;
+
+/** Asks for the stretch that is looked at closely, of both runs. */
+function useDetails(view: TimeView, run: string | null, recorded: boolean) {
+  const { series } = useStore();
+  const compared = useCompared();
+  const end = series.at("time", series.length - 1) || 0;
+  const close = view.zoomed ?? (recorded && view.window > 0 ? rangeOf(view, end, series.firstMotion) : null);
+  const own = useDetail(run, close !== null && (recorded || close.to < end - ON_DISK) ? close : null);
+  const shift = compared?.shift ?? 0;
+  const theirs = useDetail(compared?.run ?? null, close && { from: Math.max(0, close.from - shift), to: Math.max(0, close.to - shift) });
+  return useMemo(() => ({ own, compared: theirs }), [own, theirs]);
+}
+
+function useSource(run: Run | null, live: string | null): FigureSource {
+  const other = useCompared()?.run ?? null;
+  return useMemo(() => {
+    const words = run === null ? `Run ${live ?? "that is not recorded"}, in progress` : `Run ${run.id}, ${run.configuration}, seed ${run.seed}`;
+    return { words, other, file: `becalm-${run?.id ?? live ?? "mission"}` };
+  }, [run, live, other]);
+}
+
+export interface Replayed {
+  readonly run: Run;
+  readonly player: Player;
+}
+
 /** Of a mission that flies, or of a recording with its player: then the whole of it, which nothing moves on. */
-export function PlotPanel({ player = null }: { readonly player?: Player | null }) {
-  const recorded = player !== null;
+export function PlotPanel({ replayed = null }: { readonly replayed?: Replayed | null }) {
+  const recorded = replayed !== null;
+  const player = replayed?.player ?? null;
+  const live = useSnapshot((snapshot) => snapshot.run_id);
   const { series } = useStore();
   const [view, setView] = useState<TimeView>(recorded ? { ...FOLLOW, window: 0 } : FOLLOW);
   const [pair, setPair] = useKept("becalm-plots", "contact", PAIR_NAMES);
@@ -81,7 +117,11 @@ export function PlotPanel({ player = null }: { readonly player?: Player | null }
   const lowest = plots.length - (wide ? 2 : 1);
   const time = useRef<HTMLSpanElement>(null);
   const now = (): number => Math.max(0, series.at("time", series.length - 1) || 0);
-  const { register, touch } = useDrawing(view, time, player);
+  const inForce = useConfiguration().inForce?.config ?? null;
+  const details = useDetails(view, replayed?.run.id ?? live, recorded);
+  const source = useSource(replayed?.run ?? null, live);
+  const { register, touch } = useDrawing(view, { details, config: replayed?.run.config ?? inForce, player }, time);
+  useTruePeaks(!recorded, time);
 
   const events = useMemo<ChartEvents>(() => {
     const latest = (): number => series.at("time", series.length - 1) || 0;
@@ -121,7 +161,7 @@ export function PlotPanel({ player = null }: { readonly player?: Player | null }
       <Panel title="Plots" grow dated={recorded ? undefined : "robot"} aside={aside}>
         <div className={styles.plots}>
           {plots.map((definition, place) => (
-            <Plot key={definition.id} definition={definition} timed={place >= lowest} events={events} register={register} />
+            <Plot key={definition.id} definition={definition} timed={place >= lowest} events={events} source={source} register={register} />
           ))}
         </div>
       </Panel>

@@ -8,7 +8,7 @@ import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decora
 import { comparedSlice, type Compared } from "./compared";
 import { instantOfPeak } from "./peaks";
 import type { PlotDefinition } from "./plot-set";
-import type { Range } from "./timeview";
+import { timeLabels, type Range } from "./timeview";
 
 const CURSORS = uPlot.sync("becalm-time");
 const AXIS_WIDTH = 52;
@@ -91,9 +91,10 @@ export class Chart {
     return [times, ...curves.map((curve) => this.scaledCurve(curve))] as uPlot.AlignedData;
   }
 
-  private scaledCurve(values: Float64Array): Float64Array {
+  /** Null where nothing was recorded: no line is drawn over it. */
+  private scaledCurve(values: Float64Array): (number | null)[] {
     const { factor } = this.shown;
-    return factor === 1 ? values : values.map((value) => value * factor);
+    return Array.from(values, (value) => (Number.isFinite(value) ? value * factor : null));
   }
 
   private options(colours: CanvasColours, place: HTMLElement, events: ChartEvents): uPlot.Options {
@@ -175,7 +176,7 @@ export class Chart {
 
   /** Of plots that stand above one another only the lowest names the times. */
   private timeAxis(colours: CanvasColours): uPlot.Axis {
-    return this.timed ? { ...axis(colours), size: AXIS_HEIGHT } : { ...axis(colours), size: 8, values: () => [] };
+    return this.timed ? { ...axis(colours), size: AXIS_HEIGHT, values: (_, splits) => timeLabels(splits) } : { ...axis(colours), size: 8, values: () => [] };
   }
 }
 

@@ -5,6 +5,7 @@ import type { Series } from "../../store/series";
 import type { Range } from "./timeview";
 
 export interface Compared {
+  readonly run: string;
   readonly series: Series;
   /** Added to its times, seconds. */
   readonly shift: number;
@@ -17,8 +18,8 @@ export const ComparedContext = createContext<Compared | null>(null);
 export const useCompared = (): Compared | null => useContext(ComparedContext);
 
 /** The shift that puts both first motions, or with `clock` both mission clocks, at the same place. */
-export function comparedWith(first: Series, second: Series, align: Alignment): Compared {
-  return { series: second, shift: align === "clock" ? 0 : first.firstMotion - second.firstMotion };
+export function comparedWith(first: Series, second: Series, run: string, align: Alignment): Compared {
+  return { run, series: second, shift: align === "clock" ? 0 : first.firstMotion - second.firstMotion };
 }
 
 /** The value at a time of the first one's clock; NaN where the second one was not recorded. */

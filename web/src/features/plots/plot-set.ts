@@ -22,6 +22,8 @@ export interface Level {
 export interface PlotDefinition {
   readonly id: string;
   readonly title: string;
+  /** What its value axis shows, without the unit. */
+  readonly axis: string;
   /** SI unit of all its curves. */
   readonly unit: string;
   /** How a person reads it, where that is not the unit itself. */
@@ -53,6 +55,7 @@ const ofHands = (left: QuantityName, right: QuantityName): readonly Curve[] => [
 const jointRates = (arm: "left" | "right"): PlotDefinition => ({
   id: `${arm}-joints`,
   title: `${arm === "left" ? "Left" : "Right"} joint rates, measured / commanded`,
+  axis: "Joint rate",
   unit: "rad/s",
   decimals: 3,
   curves: JOINTS.flatMap((joint) => [
@@ -67,6 +70,7 @@ const CONTACT: readonly PlotDefinition[] = [
   {
     id: "forces",
     title: "Tip force, resultant of each hand",
+    axis: "Force",
     unit: "N",
     decimals: 3,
     curves: ofHands("leftForce", "rightForce"),
@@ -77,6 +81,7 @@ const CONTACT: readonly PlotDefinition[] = [
   {
     id: "rates",
     title: "Angular velocity",
+    axis: "Angular velocity",
     unit: "rad/s",
     decimals: 3,
     curves: [
@@ -84,7 +89,10 @@ const CONTACT: readonly PlotDefinition[] = [
       { quantity: "baseRate", label: "Base", token: "base", dash: [7, 2] },
     ],
     least: [-0.1, 0.6],
-    levels: ({ snapshot }) => (snapshot ? [{ label: "threshold", value: snapshot.spin_threshold }] : []),
+    levels: ({ snapshot, config }) => {
+      const threshold = snapshot?.spin_threshold ?? config?.control.caging.spin_threshold;
+      return threshold === undefined ? [] : [{ label: "threshold", value: threshold }];
+    },
   },
 ];
 
@@ -92,6 +100,7 @@ const ROBOT: readonly PlotDefinition[] = [
   {
     id: "attitude",
     title: "Base attitude",
+    axis: "Angle",
     unit: "rad",
     decimals: 4,
     curves: [{ quantity: "baseAngle", label: "Base", token: "base" }],
@@ -101,6 +110,7 @@ const ROBOT: readonly PlotDefinition[] = [
   {
     id: "manipulability",
     title: "Manipulability",
+    axis: "Manipulability",
     unit: "m2",
     decimals: 4,
     curves: ofHands("leftManipulability", "rightManipulability"),
@@ -113,6 +123,7 @@ const TRACKING: readonly PlotDefinition[] = [
   {
     id: "position-error",
     title: "Hand position, distance from desired",
+    axis: "Distance",
     unit: "m",
     as: MILLIMETRES,
     decimals: 2,
@@ -123,6 +134,7 @@ const TRACKING: readonly PlotDefinition[] = [
   {
     id: "angle-error",
     title: "Hand angle, desired minus measured",
+    axis: "Angle error",
     unit: "rad",
     decimals: 4,
     curves: ofHands("leftAngleError", "rightAngleError"),

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { Pace } from "./pace";
-import { chosen, FOLLOW, rangeOf, zoomedAbout } from "./timeview";
+import { chosen, FOLLOW, rangeOf, timeLabels, zoomedAbout } from "./timeview";
 
 describe("the stretch of time that is shown", () => {
   it("follows the mission, whole or its last seconds", () => {
@@ -36,5 +36,13 @@ describe("the pace of drawing", () => {
     for (let frame = 1; frame < 20; frame += 1) pace.drew(frame * 16, 12);
     expect(pace.due(19 * 16 + 16)).toBe(false);
     expect(pace.due(19 * 16 + 120)).toBe(true);
+  });
+});
+
+describe("the times of an axis", () => {
+  it("say their unit, and are minutes and seconds from two minutes on", () => {
+    expect(timeLabels([0, 20, 40])).toEqual(["0", "20", "40 s"]);
+    expect(timeLabels([3.4, 3.45, 3.5])).toEqual(["3.40", "3.45", "3.50 s"]);
+    expect(timeLabels([382, 384, 386])).toEqual(["06:22", "06:24", "06:26"]);
   });
 });

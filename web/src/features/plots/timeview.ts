@@ -1,4 +1,5 @@
 /** The stretch of time that all plots show: it follows the mission, or stands where a person has zoomed. */
+import { clock, fixed } from "../../units/units";
 
 export interface Range {
   readonly from: number;
@@ -30,6 +31,17 @@ export function rangeOf(view: TimeView, now: number, firstMotion: number): Range
   const begin = Math.max(0, firstMotion - LEAD);
   if (view.window === 0) return { from: begin, to: Math.max(end, begin + LEAST_WHOLE) };
   return { from: Math.max(0, end - view.window), to: Math.max(end, view.window) };
+}
+
+/** Seconds from which on times are read in minutes. */
+const MINUTES = 120;
+
+/** The times of an axis: seconds, and minutes with seconds from two minutes on; each with its unit once. */
+export function timeLabels(times: readonly number[]): string[] {
+  const step = Math.abs((times[1] ?? 1) - (times[0] ?? 0));
+  const decimals = Math.min(6, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+  if ((times.at(-1) ?? 0) <= MINUTES) return times.map((time, place) => `${fixed(time, decimals)}${place === times.length - 1 ? " s" : ""}`);
+  return times.map((time) => clock(time, decimals));
 }
 
 /** Zooms by a factor about a moment, never beyond the beginning. */

@@ -1,6 +1,5 @@
 /** Draws all plots from the browser's animation frames, when there is something new and time to spare. */
 import { useCallback, useEffect, useRef, type RefObject } from "react";
-import { useConfiguration } from "../../store/configuration";
 import { useStore } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
 import { clock } from "../../units/units";
@@ -8,8 +7,9 @@ import type { Player } from "../replay/player";
 import { Pace } from "./pace";
 import type { DrawPlot, PlotFrame } from "./Plot";
 import { useCompared, type Compared } from "./compared";
+import { seriesFor, type Detail } from "./detail";
 import type { Known } from "./plot-set";
-import { rangeOf, type TimeView } from "./timeview";
+import { rangeOf, type Range, type TimeView } from "./timeview";
 
 interface Drawing {
   /** Adds a plot; the returned function takes it away. */
@@ -18,25 +18,55 @@ interface Drawing {
   readonly touch: () => void;
 }
 
-function frameOf(store: MissionStore, view: TimeView, config: Known["config"], player: Player | null, compared: Compared | null): PlotFrame {
+/** What was asked for more finely than the whole of a recording shows it. */
+export interface Details {
+  readonly own: Detail | null;
+  readonly compared: Detail | null;
+}
+
+interface Shown {
+  readonly view: TimeView;
+  readonly details: Details;
+  readonly config: Known["config"];
+  readonly player: Player | null;
+  readonly compared: Compared | null;
+}
+
+/** The second recording as finely as there is, in its own clock. */
+function comparedFor(compared: Compared | null, detail: Detail | null, { from, to }: Range): Compared | null {
+  if (compared === null) return null;
+  const { shift, series } = compared;
+  return { ...compared, series: seriesFor(detail, { from: from - shift, to: to - shift }, series) };
+}
+
+function frameOf(store: MissionStore, { view, details, config, player, compared }: Shown): PlotFrame {
   const { series } = store;
   const { snapshot } = store.read();
   const end = (of: MissionStore["series"]): number => of.at("time", of.length - 1) || 0;
   const now = Math.max(end(series), compared === null ? 0 : end(compared.series) + compared.shift);
+  const range = rangeOf(view, now, series.firstMotion);
   return {
-    series,
-    compared,
-    range: rangeOf(view, now, series.firstMotion),
+    series: seriesFor(details.own, range, series),
+    whole: series,
+    compared: comparedFor(compared, details.compared, range),
+    range,
     known: { snapshot, config },
     decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches, moment: player?.read().time ?? null },
   };
 }
 
-/** @param time shows the mission time under the cursor; @param player of a replay. */
-export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, player: Player | null): Drawing {
+interface Shared {
+  readonly details: Details;
+  /** The configuration of what is shown. */
+  readonly config: Known["config"];
+  /** Of a replay. */
+  readonly player: Player | null;
+}
+
+/** @param time shows the mission time under the cursor. */
+export function useDrawing(view: TimeView, { details, config, player }: Shared, time: RefObject<HTMLElement | null>): Drawing {
   const store = useStore();
   const compared = useCompared();
-  const config = useConfiguration().inForce?.config ?? null;
   const draws = useRef(new Set<DrawPlot>());
   const dirty = useRef(true);
 
@@ -48,11 +78,11 @@ export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, 
     const frame = (now: number): void => {
       request = requestAnimationFrame(frame);
       const news = store.series.version !== drawn && view.pausedAt === null;
-      if (!(news || dirty.current) || !pace.due(now)) return;
+      if (!(news || dirty.current) || !pace.due(now) || time.current?.checkVisibility() === false) return;
       const begun = performance.now();
       dirty.current = false;
       drawn = store.series.version;
-      const content = frameOf(store, view, config, player, compared);
+      const content = frameOf(store, { view, details, config, player, compared });
       let moment: number | null = null;
       for (const draw of draws.current) moment = draw(content) ?? moment;
       if (time.current) time.current.textContent = moment === null ? "" : `at ${clock(moment)}`;
@@ -66,7 +96,7 @@ export function useDrawing(view: TimeView, time: RefObject<HTMLElement | null>, 
       withdraw?.();
       cancelAnimationFrame(request);
     };
-  }, [store, view, config, time, player, compared]);
+  }, [store, view, details, config, time, player, compared]);
 
   const touch = useCallback(() => {
     dirty.current = true;

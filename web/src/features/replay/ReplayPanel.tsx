@@ -95,6 +95,11 @@ function Transport({ player, end }: { readonly player: Player; readonly end: num
       <Button size="compact-sm" leftSection={<Icon sign={playing ? "pause" : "play"} />} onClick={() => { if (playing) player.pause(); else player.play(); }}>
         {playing ? "Pause" : "Play"}
       </Button>
+      {player.start > 0 && (
+        <Button size="compact-sm" title={`Nothing moves before ${clock(player.firstMotion)}`} onClick={() => { player.seek(player.start); }}>
+          First motion
+        </Button>
+      )}
       {step(-1, "One tick back", "back")}
       {step(1, "One tick on", "step")}
       <Slider

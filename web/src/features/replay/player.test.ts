@@ -47,6 +47,16 @@ describe("the clock of a replay", () => {
     expect(clock.read().time).toBe(12);
   });
 
+  it("opens a second before the first motion, and plays anew from there; what comes before is a drag away", () => {
+    const clock = new Player(40, 0.001, 31.2);
+    expect(clock.read().time).toBeCloseTo(30.2, 3);
+    clock.seek(40);
+    clock.play();
+    expect(clock.read().time).toBeCloseTo(30.2, 3);
+    clock.seek(0);
+    expect(clock.read().time).toBe(0);
+  });
+
   it("tells who listens of every change, and of nothing else", () => {
     const clock = player();
     const heard = vi.fn();

@@ -10,17 +10,31 @@ export interface PlayerView {
 /** Multiples of real time. */
 export const SPEEDS: readonly number[] = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
+/** Seconds shown before the first motion. */
+const LEAD = 1;
+
 type Listener = () => void;
 
 export class Player {
-  private view: PlayerView = { time: 0, playing: false, speed: 1 };
+  private view: PlayerView;
   private readonly listeners = new Set<Listener>();
 
-  /** @param end mission time of the last tick; @param period of one tick; both in seconds. */
+  /**
+   * Stands a second before something happens first, or at the beginning.
+   * @param end mission time of the last tick; @param period of one tick; @param firstMotion when; all in seconds.
+   */
   constructor(
     private end: number,
     readonly period: number,
-  ) {}
+    readonly firstMotion = 0,
+  ) {
+    this.view = { time: this.start, playing: false, speed: 1 };
+  }
+
+  /** Where it opens, and plays anew from: what comes before stands still. */
+  get start(): number {
+    return Math.floor(Math.max(0, this.firstMotion - LEAD) / this.period) * this.period;
+  }
 
   readonly subscribe = (listener: Listener): (() => void) => {
     this.listeners.add(listener);
@@ -38,7 +52,7 @@ export class Player {
 
   /** Begins anew if it stands at the end. */
   play(): void {
-    const time = this.view.time >= this.end - this.period / 2 ? 0 : this.view.time;
+    const time = this.view.time >= this.end - this.period / 2 ? this.start : this.view.time;
     this.change({ time, playing: true });
   }
 

@@ -39,8 +39,7 @@ const NOT_HELD: Verdict = {
   meaning: "The hands closed around the target, but a way out of them is left.",
 };
 
-/** The verdict on the locked arms, which is what an operator needs to know; the paper's own rule stands beside it. */
+/** The verdict: that at locked arms, wherever a run is told of. The paper's, at first closure, is always named so. */
 export function verdictOf(outcome: Outcome): Verdict {
-  if (outcome.caged) return CAGED[outcome.at_locked_arms] ?? CAGED[outcome.outcome] ?? NOT_HELD;
-  return FAILED[outcome.at_locked_arms] ?? FAILED[outcome.outcome] ?? NOT_HELD;
+  return (outcome.caged ? CAGED : FAILED)[outcome.outcome] ?? NOT_HELD;
 }

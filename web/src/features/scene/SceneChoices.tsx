@@ -20,6 +20,11 @@ const CAMERA_WORDS: Readonly<Record<Camera, string>> = { perspective: "All", top
 export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
   // What was chosen here since the service told how the scene stands.
   const [chosen, setChosen] = useState<SceneChange>({});
+  const [told, setTold] = useState(view);
+  if (told !== view) {
+    setTold(view);
+    setChosen({});
+  }
   const layers = { ...view.layers, ...chosen.layers };
   const change = (next: SceneChange): void => {
     setChosen((before) => ({ ...before, ...next, layers: { ...before.layers, ...next.layers } }));

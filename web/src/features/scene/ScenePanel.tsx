@@ -5,19 +5,34 @@ import { changeScene, readScene } from "../../api/service";
 import type { SceneView } from "../../api/types";
 import { useView } from "../../store/context";
 import { Icon } from "../../theme/Icon";
+import { usePageVisible } from "../../ui/use-page-visible";
 import { useReasonByRole } from "../access/session";
 import { sceneAddress, useDetail, type DetailChoice } from "./detail";
 import { SceneChoices } from "./SceneChoices";
 import { SceneFrame } from "./SceneFrame";
 import styles from "./ScenePanel.module.css";
 
-/** How the live scene stands, read with each connection; it is the same for all browsers. */
+/** Milliseconds between two looks at what others have chosen. */
+const LOOK_PERIOD = 3000;
+
+const same = (one: SceneView | null, other: SceneView): boolean => JSON.stringify(one) === JSON.stringify(other);
+
+/** How the live scene stands; it is the same for all browsers, whoever of them chose it. */
 function useLiveArrangement(connection: number): SceneView | null {
   const [arrangement, setArrangement] = useState<SceneView | null>(null);
+  const visible = usePageVisible();
   useEffect(() => {
-    // Without an answer there are no choices to show; the next connection asks again.
-    if (connection > 0) readScene().then(setArrangement, () => undefined);
-  }, [connection]);
+    if (connection === 0 || !visible) return undefined;
+    const look = (): void => {
+      // Without an answer the choices stay as they are; the next look asks again.
+      readScene().then((found) => { setArrangement((before) => (same(before, found) ? before : found)); }, () => undefined);
+    };
+    look();
+    const timer = setInterval(look, LOOK_PERIOD);
+    return () => {
+      clearInterval(timer);
+    };
+  }, [connection, visible]);
   return arrangement;
 }
 

@@ -29,9 +29,9 @@ function preparation(study: StudyDetail, row: StudyRow): CommandRequest {
 const isDirect = (study: StudyDetail): boolean => (study.definition as { direct?: boolean }).direct === true;
 
 const LABELS: readonly (readonly [string, string])[] = [
-  ["outcome", "Outcome"],
-  ["at_first_closure", "At the first closure"],
-  ["at_locked_arms", "With locked arms"],
+  ["outcome", "Outcome, by the study's rule"],
+  ["at_first_closure", "Paper's verdict (at first closure)"],
+  ["at_locked_arms", "Verdict (at locked arms)"],
   ["caged", "Caged for good"],
   ["cage_margin", "Cage margin"],
   ["peak_tip_force", "Peak force, to locked arms"],

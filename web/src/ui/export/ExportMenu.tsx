@@ -1,6 +1,7 @@
 /** A button that saves a figure as SVG, PNG or PDF. */
-import { Button, Menu } from "@mantine/core";
+import { ActionIcon, Button, Menu } from "@mantine/core";
 import { useState } from "react";
+import { Icon } from "../../theme/Icon";
 import { EscNote } from "../EscNote";
 import { FIGURE_FORMATS, saveFigure, type FigureFormat } from "./figure-file";
 
@@ -17,22 +18,33 @@ interface ExportMenuProps {
   readonly name: string;
   /** The figure as it is when it is asked for: markup of one `<svg>`. */
   readonly draw: () => string;
+  /** A sign in place of the word, where room is short. */
+  readonly compact?: boolean;
 }
 
-export function ExportMenu({ what, name, draw }: ExportMenuProps) {
+export function ExportMenu({ what, name, draw, compact = false }: ExportMenuProps) {
   const [trouble, setTrouble] = useState<string | null>(null);
   const save = (format: FigureFormat): void => {
     setTrouble(null);
-    saveFigure(draw(), name, format).catch((cause: unknown) => {
-      setTrouble(cause instanceof Error ? cause.message : String(cause));
-    });
+    Promise.resolve()
+      .then(() => saveFigure(draw(), name, format))
+      .catch((cause: unknown) => {
+        setTrouble(cause instanceof Error ? cause.message : String(cause));
+      });
   };
+  const spoken = { "aria-label": `Export ${what}`, title: trouble ?? `Save ${what} as a picture on white` };
   return (
     <Menu position="bottom-end" withinPortal>
       <Menu.Target>
-        <Button size="compact-xs" aria-label={`Export ${what}`} title={trouble ?? `Save ${what} as a picture on white`}>
-          {trouble === null ? "Export" : "Not saved"}
-        </Button>
+        {compact ? (
+          <ActionIcon size={20} {...spoken}>
+            <Icon sign={trouble === null ? "download" : "warning"} size={11} />
+          </ActionIcon>
+        ) : (
+          <Button size="compact-xs" {...spoken}>
+            {trouble === null ? "Export" : "Not saved"}
+          </Button>
+        )}
       </Menu.Target>
       <Menu.Dropdown>
         {FIGURE_FORMATS.map((format) => (

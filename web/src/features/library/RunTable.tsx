@@ -1,0 +1,139 @@
+/** Runs as a table: what each was flown with, and what came of it. */
+import type { ReactNode } from "react";
+import type { RunSummary } from "../../api/types";
+import { lookOf } from "../../theme/looks";
+import { clock, fixed, MILLIMETRES } from "../../units/units";
+import { ask, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
+import styles from "./RunTable.module.css";
+import { VerdictMark, verdictWords } from "./Verdict";
+import { changesTitle, changeWords, configurationWords, momentWords } from "./words";
+
+interface Column {
+  readonly key: SortKey;
+  readonly label: string;
+  /** What it is, in full. */
+  readonly title: string;
+  readonly number?: boolean;
+  readonly cell: (run: RunSummary, query: LibraryQuery) => ReactNode;
+}
+
+const figure = (value: number | null | undefined, decimals: number, factor = 1): string =>
+  value === null || value === undefined ? "" : fixed(value * factor, decimals);
+
+function Tags({ run, query }: { readonly run: RunSummary; readonly query: LibraryQuery }) {
+  return (
+    <>
+      {run.tags.map((tag) => (
+        <a key={tag} className={styles.tag} href={runHash({ ...query, tag, page: 1 })} title={`Only runs with the tag ${tag}`}>
+          {tag}
+        </a>
+      ))}
+    </>
+  );
+}
+
+function Changes({ run }: { readonly run: RunSummary }) {
+  const [first, second, ...rest] = run.changes;
+  if (first === undefined) return null;
+  const words = [first, second].flatMap((change) => (change === undefined ? [] : [changeWords(change)])).join(", ");
+  return <span title={changesTitle(run.changes)}>{rest.length === 0 ? words : `${words} and ${rest.length} more`}</span>;
+}
+
+const COLUMNS: readonly Column[] = [
+  {
+    key: "started",
+    label: "Started",
+    title: "When the run began",
+    cell: (run, query) => (
+      <a href={runHash(query, run.id)} title={run.id}>
+        {run.starred && <span aria-label="starred">★ </span>}
+        {momentWords(run.started, new Date())}
+      </a>
+    ),
+  },
+  {
+    key: "name",
+    label: "Name, tags",
+    title: "What people call the run, and what it is grouped by",
+    cell: (run, query) => (
+      <span className={styles.called}>
+        {run.name !== "" && <a href={runHash(query, run.id)}>{run.name}</a>}
+        <Tags run={run} query={query} />
+      </span>
+    ),
+  },
+  { key: "kind", label: "Kind", title: "Live, scripted, of a study, or a fork", cell: ({ kind }) => kind },
+  { key: "configuration", label: "Configuration", title: "The named configuration that it began as", cell: configurationWords },
+  { key: "changes", label: "Changed", title: "Parameters that are not as the named configuration has them", cell: (run) => <Changes run={run} /> },
+  { key: "seed", label: "Seed", title: "simulation.seed", number: true, cell: ({ seed }) => seed },
+  { key: "initial_spin", label: "Spin, rad/s", title: "Of the target at the start, as configured", number: true, cell: (run) => figure(run.initial_spin, 2) },
+  { key: "peak_tip_force", label: "Peak, N", title: "Largest force on a hand, to locked arms", number: true, cell: ({ outcome }) => figure(outcome?.peak_tip_force, 3) },
+  {
+    key: "cage_margin",
+    label: "Margin, mm",
+    title: "How far the tips would have to give way to let the target out",
+    number: true,
+    cell: ({ outcome }) => figure(outcome?.cage_margin, 1, MILLIMETRES.factor),
+  },
+  { key: "duration", label: "Length", title: "Mission time recorded, minutes and seconds", number: true, cell: ({ duration }) => clock(duration, 1) },
+  {
+    key: "outcome",
+    label: "Verdict",
+    title: "How it ended, judged at locked arms",
+    cell: (run) => (
+      <span className={styles.verdict}>
+        <VerdictMark run={run} /> {verdictWords(run)}
+      </span>
+    ),
+  },
+  {
+    key: "at_first_closure",
+    label: "Paper's verdict",
+    title: "Judged at the first closure, as the paper's tables",
+    cell: ({ outcome }) => (outcome === null ? "" : lookOf(outcome.at_first_closure).words),
+  },
+];
+
+function Head({ column, query }: { readonly column: Column; readonly query: LibraryQuery }) {
+  const sorted = query.sort === column.key ? (query.descending ? "descending" : "ascending") : undefined;
+  return (
+    <th scope="col" aria-sort={sorted} data-number={column.number} title={column.title}>
+      <button
+        type="button"
+        onClick={() => {
+          ask(sortedBy(query, column.key));
+        }}
+      >
+        {column.label}
+        <span aria-hidden="true">{sorted === undefined ? "" : sorted === "descending" ? " ↓" : " ↑"}</span>
+      </button>
+    </th>
+  );
+}
+
+export function RunTable({ runs, query }: { readonly runs: readonly RunSummary[]; readonly query: LibraryQuery }) {
+  return (
+    <div className={styles.scroll} role="region" aria-label="Table of runs" tabIndex={0}>
+      <table className={styles.table}>
+        <thead>
+          <tr>
+            {COLUMNS.map((column) => (
+              <Head key={column.key} column={column} query={query} />
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {runs.map((run) => (
+            <tr key={run.id} data-run={run.id}>
+              {COLUMNS.map((column) => (
+                <td key={column.key} data-number={column.number} data-column={column.key}>
+                  {column.cell(run, query)}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

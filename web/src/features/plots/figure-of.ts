@@ -1,0 +1,64 @@
+/** What a plot shows now, as a figure: the same curves over the same stretch, in colours for white paper. */
+import type { Shown } from "../../units/units";
+import { comparedSlice } from "./compared";
+import { HANDS, type FigureCurve, type PlotFigure } from "./figure";
+import type { PlotFrame } from "./Plot";
+import type { Curve, PlotDefinition } from "./plot-set";
+
+/** Where the curves come from. */
+export interface FigureSource {
+  /** Such as "Run 20261122T113000123-4f9a2c". */
+  readonly words: string;
+  /** Of the run that it is compared with; null for none. */
+  readonly other: string | null;
+  /** The beginning of a file's name. */
+  readonly file: string;
+}
+
+/** Okabe and Ito's colours that stand out on white, by the tokens of the page. */
+const COLOURS: Readonly<Record<string, string>> = { ...HANDS, target: "#009e73", base: "#7a4f9a" };
+
+const colourOf = ({ token }: Curve): string => COLOURS[token] ?? "#1a1a1a";
+
+const WIDTHS = { own: 1.5, compared: 0.9 } as const;
+
+/** @throws Error if nothing has been drawn yet. */
+export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFrame | null, source: FigureSource): PlotFigure {
+  if (frame === null) throw new Error("There is nothing to save yet.");
+  const { series, compared, range, decorations } = frame;
+  const scaled = (values: Float64Array): Float64Array => values.map((value) => value * scale.factor);
+  const quantities = definition.curves.map(({ quantity }) => quantity);
+  const [from, to] = [Math.max(0, series.rowAt(range.from) - 1), Math.min(series.length, series.rowAt(range.to) + 1)];
+  const label = (index: number, of: string): string => nameOf(definition.curves, index) + of;
+  const own = definition.curves.map((curve, index): FigureCurve => ({
+    label: label(index, source.other === null ? "" : ", this run"),
+    colour: colourOf(curve),
+    dash: curve.dash,
+    width: WIDTHS.own,
+    times: series.slice("time", from, to),
+    values: scaled(series.slice(curve.quantity, from, to)),
+  }));
+  const [times, others] = compared === null ? [new Float64Array(), []] : comparedSlice(compared, range, quantities);
+  const theirs = others.map((values, index): FigureCurve => {
+    const curve = definition.curves[index];
+    if (curve === undefined) throw new Error("A curve without a definition.");
+    return { label: label(index, ", other run"), colour: colourOf(curve), dash: curve.dash, width: WIDTHS.compared, times, values: scaled(values) };
+  });
+  return {
+    title: definition.title,
+    subtitle: source.other === null ? source.words : `${source.words}; other run ${source.other}, thinner`,
+    yLabel: `${definition.axis}${scale.unit === "" ? "" : `, ${scale.unit}`}`,
+    range,
+    least: [definition.least[0] * scale.factor, definition.least[1] * scale.factor],
+    curves: [...own, ...theirs],
+    levels: definition.levels(frame.known).map(({ label: words, value }) => ({ label: words, value: value * scale.factor })),
+    phases: decorations.phases,
+    touches: decorations.touches,
+  };
+}
+
+/** A curve without a label is the commanded one of the curve before it. */
+function nameOf(curves: readonly Curve[], index: number): string {
+  const own = curves[index]?.label ?? "";
+  return own === "" ? `${curves[index - 1]?.label ?? ""} commanded` : own;
+}

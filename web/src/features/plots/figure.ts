@@ -1,0 +1,167 @@
+/** One plot as a figure for a paper: markup of an `<svg>` on white that needs nothing of the page. */
+import { scaleLinear, type ScaleLinear } from "d3-scale";
+import { line } from "d3-shape";
+import type { Touch } from "../../api/types";
+import { PHASE_WORDS } from "../../store/phases";
+import type { PhaseSpan } from "../../store/series";
+import { escaped, FIGURE_FONT } from "../../ui/export/figure-file";
+import { fixed } from "../../units/units";
+import type { Level } from "./plot-set";
+import type { Range } from "./timeview";
+
+export interface FigureCurve {
+  /** In the legend. */
+  readonly label: string;
+  readonly colour: string;
+  readonly dash?: readonly number[] | undefined;
+  readonly width: number;
+  readonly times: ArrayLike<number>;
+  /** In the unit of the axis; not finite where nothing was recorded. */
+  readonly values: ArrayLike<number>;
+}
+
+export interface PlotFigure {
+  readonly title: string;
+  /** Which run, and whatever else the reader has to know. */
+  readonly subtitle: string;
+  /** With its unit, such as "Force, N". */
+  readonly yLabel: string;
+  readonly range: Range;
+  /** What the value axis shows at least. */
+  readonly least: readonly [number, number];
+  readonly curves: readonly FigureCurve[];
+  readonly levels: readonly Level[];
+  readonly phases: readonly PhaseSpan[];
+  readonly touches: readonly Touch[];
+}
+
+export const FIGURE_SIZE = { width: 720, height: 340 } as const;
+const EDGE = { left: 64, right: 18, top: 66, bottom: 48 } as const;
+const INK = "#1a1a1a";
+const FAINT = "#666666";
+const GRID = "#e3e3e3";
+const SHADES: Readonly<Partial<Record<PhaseSpan["phase"], string>>> = { detumbling: "#eef6fb", caging: "#fdf4e7", holding: "#eef8f1" };
+
+type Scale = ScaleLinear<number, number>;
+
+interface Axes {
+  readonly x: Scale;
+  readonly y: Scale;
+}
+
+const right = FIGURE_SIZE.width - EDGE.right;
+const bottom = FIGURE_SIZE.height - EDGE.bottom;
+
+const text = (x: number, y: number, words: string, more = ""): string =>
+  `<text x="${fixedPlace(x)}" y="${fixedPlace(y)}" ${more}>${escaped(words)}</text>`;
+
+const rule = (x1: number, y1: number, x2: number, y2: number, stroke: string, more = ""): string =>
+  `<line x1="${fixedPlace(x1)}" y1="${fixedPlace(y1)}" x2="${fixedPlace(x2)}" y2="${fixedPlace(y2)}" stroke="${stroke}" ${more}/>`;
+
+const fixedPlace = (value: number): string => String(Math.round(value * 100) / 100);
+
+/** From the least to the largest of what is drawn, with round ends. */
+function valueScale(figure: PlotFigure): Scale {
+  let [low, high] = figure.least;
+  for (const { times, values } of figure.curves) {
+    for (let row = 0; row < times.length; row += 1) {
+      const [time, value] = [times[row] ?? Number.NaN, values[row] ?? Number.NaN];
+      if (!(time >= figure.range.from && time <= figure.range.to) || !Number.isFinite(value)) continue;
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+  }
+  return scaleLinear().domain([low, high]).range([bottom, EDGE.top]).nice(6);
+}
+
+/** Ticks with as many decimals as tell them apart. */
+function ticksOf(scale: Scale, count: number): { readonly value: number; readonly label: string }[] {
+  const values = scale.ticks(count);
+  const step = Math.abs((values[1] ?? 1) - (values[0] ?? 0));
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return values.map((value) => ({ value, label: fixed(value, decimals) }));
+}
+
+function axes({ x, y }: Axes, yLabel: string): string {
+  const middle = (EDGE.top + bottom) / 2;
+  return [
+    ...ticksOf(y, 6).map(({ value, label }) => rule(EDGE.left, y(value), right, y(value), GRID) + text(EDGE.left - 7, y(value) + 4, label, 'text-anchor="end"')),
+    ...ticksOf(x, 9).map(({ value, label }) => rule(x(value), bottom, x(value), bottom + 4, INK) + text(x(value), bottom + 17, label, 'text-anchor="middle"')),
+    rule(EDGE.left, bottom, right, bottom, INK),
+    rule(EDGE.left, EDGE.top, EDGE.left, bottom, INK),
+    text((EDGE.left + right) / 2, FIGURE_SIZE.height - 12, "Mission time, s", 'text-anchor="middle"'),
+    text(0, 0, yLabel, `text-anchor="middle" transform="translate(16 ${fixedPlace(middle)}) rotate(-90)"`),
+  ].join("");
+}
+
+function phases({ x }: Axes, { phases: spans, range }: PlotFigure): string {
+  return spans
+    .map(({ phase, start, end }) => {
+      const [from, to] = [x(Math.max(start, range.from)), x(Math.min(end, range.to))];
+      if (to <= from) return "";
+      const words = PHASE_WORDS[phase];
+      const shade = `<rect x="${fixedPlace(from)}" y="${EDGE.top}" width="${fixedPlace(to - from)}" height="${bottom - EDGE.top}" fill="${SHADES[phase] ?? "#ffffff"}"/>`;
+      return shade + (to - from > 6.5 * words.length ? text(from + 4, EDGE.top + 13, words, `fill="${FAINT}"`) : "");
+    })
+    .join("");
+}
+
+function curve({ x, y }: Axes, { colour, dash, width, times, values }: FigureCurve, { from, to }: Range): string {
+  const rows = Array.from({ length: times.length }, (_, row) => row);
+  const time = (row: number): number => times[row] ?? Number.NaN;
+  const inView = rows.filter((row) => time(Math.min(row + 1, times.length - 1)) >= from && time(Math.max(row - 1, 0)) <= to);
+  const path = line<number>(
+    (row) => Math.round(100 * x(time(row))) / 100,
+    (row) => Math.round(100 * y(values[row] ?? Number.NaN)) / 100,
+  ).defined((row) => Number.isFinite(values[row]))(inView);
+  return `<path d="${path ?? ""}" fill="none" stroke="${colour}" stroke-width="${width}" stroke-linejoin="round"${dash ? ` stroke-dasharray="${dash.join(" ")}"` : ""}/>`;
+}
+
+/** A level as a dashed line with its name. */
+const level = ({ y }: Axes, { label, value }: Level): string => {
+  const place = y(value);
+  if (place < EDGE.top || place > bottom) return "";
+  return rule(EDGE.left, place, right, place, INK, 'stroke-dasharray="2 3"') + text(right - 4, place - 4, label, 'text-anchor="end"');
+};
+
+const touch = ({ x }: Axes, { start, end, arm }: Touch, range: Range): string => {
+  const [from, to] = [x(Math.max(start, range.from)), x(Math.min(end ?? range.to, range.to))];
+  return to < from ? "" : `<rect x="${fixedPlace(from)}" y="${bottom - 4}" width="${fixedPlace(Math.max(1, to - from))}" height="4" fill="${HANDS[arm]}"/>`;
+};
+
+/** The colours of the hands on white. */
+export const HANDS = { left: "#0072b2", right: "#d55e00" } as const;
+
+function legend(curves: readonly FigureCurve[]): string {
+  let place: number = EDGE.left;
+  return curves
+    .filter(({ label }) => label !== "")
+    .map(({ label, colour, dash, width }) => {
+      const from = place;
+      place += 34 + 6.4 * label.length;
+      const sign = rule(from, 51, from + 20, 51, colour, `stroke-width="${Math.max(width, 1.2)}"${dash ? ` stroke-dasharray="${dash.join(" ")}"` : ""}`);
+      return sign + text(from + 25, 55, label);
+    })
+    .join("");
+}
+
+export function plotFigure(figure: PlotFigure): string {
+  const { width, height } = FIGURE_SIZE;
+  const scales: Axes = { x: scaleLinear().domain([figure.range.from, figure.range.to]).range([EDGE.left, right]), y: valueScale(figure) };
+  return [
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="${FIGURE_FONT}" font-size="12" fill="${INK}">`,
+    `<rect width="${width}" height="${height}" fill="#ffffff"/>`,
+    `<clipPath id="field"><rect x="${EDGE.left}" y="${EDGE.top}" width="${right - EDGE.left}" height="${bottom - EDGE.top}"/></clipPath>`,
+    text(EDGE.left, 20, figure.title, 'font-size="15" font-weight="bold"'),
+    text(EDGE.left, 37, figure.subtitle, `font-size="11" fill="${FAINT}"`),
+    phases(scales, figure),
+    axes(scales, figure.yLabel),
+    `<g clip-path="url(#field)">`,
+    ...figure.curves.map((each) => curve(scales, each, figure.range)),
+    ...figure.touches.map((each) => touch(scales, each, figure.range)),
+    "</g>",
+    ...figure.levels.map((each) => level(scales, each)),
+    legend(figure.curves),
+    "</svg>",
+  ].join("\n");
+}
