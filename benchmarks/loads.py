@@ -59,6 +59,12 @@ CAMERA = {
 """What a browser says when its visitor turns the scene."""
 
 
+def signed_in() -> dict[str, str]:
+    """The header of who has the token in BECALM_TOKEN, if there is one."""
+    token = os.environ.get("BECALM_TOKEN")
+    return {"Authorization": f"Bearer {token}"} if token else {}
+
+
 def frame(payload: bytes, opcode: int = 1) -> bytes:
     """A masked WebSocket frame of up to 64 kB."""
     length = len(payload)
@@ -76,6 +82,7 @@ def opened(port: int, path: str, subprotocol: str | None = None) -> socket.socke
     lines = [
         f"GET {path} HTTP/1.1",
         f"Host: 127.0.0.1:{port}",
+        *(f"{name}: {value}" for name, value in signed_in().items()),
         "Connection: Upgrade",
         "Upgrade: websocket",
         "Sec-WebSocket-Version: 13",
@@ -119,11 +126,17 @@ def floods(port: int, path: str, payload: bytes, until: float, opcode: int = 1, 
     _together(SOCKETS, lambda: flood(port, path, frames, until, subprotocol))
 
 
+def client(port: int) -> httpx.Client:
+    """A client of the service, signed in."""
+    address = f"http://127.0.0.1:{port}/api/v1"
+    return httpx.Client(base_url=address, headers=signed_in(), timeout=PATIENCE, trust_env=False)
+
+
 def asked(port: int, until: float, ask: Callable[[httpx.Client], None]) -> None:
     """Ask again and again, several at once."""
 
     def keep_asking() -> None:
-        with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=PATIENCE, trust_env=False) as http:
+        with client(port) as http:
             while time.monotonic() < until:
                 with contextlib.suppress(httpx.HTTPError):
                     ask(http)
@@ -211,6 +224,17 @@ LOADS: dict[str, Callable[[int, str, float], None]] = {
     "idle": _idle,
 }
 """By name: (port of the service, a run of its library, until when by `time.monotonic`)."""
+
+
+def _everything(port: int, run_id: str, until: float) -> None:
+    works = [load for name, load in LOADS.items() if name not in ("quiet", "everything")]
+    threads = [threading.Thread(target=load, args=(port, run_id, until), daemon=True) for load in works]
+    for thread in threads:
+        thread.start()
+    time.sleep(max(0.0, until - time.monotonic()))
+
+
+LOADS["everything"] = _everything
 
 
 def _patch(http: httpx.Client) -> None:

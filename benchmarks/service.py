@@ -74,16 +74,23 @@ def service(folder: Path, *options: str) -> Iterator[Running]:
     environment.pop("PYTHONDONTWRITEBYTECODE", None)  # nobody who installs Becalm reads it from source at each start
     began = time.perf_counter()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        assert process.stdout is not None
-        found = re.search(r":(\d+)/", process.stdout.readline())
-        assert found, "it says where it is"
-        port = int(found[1])
-        assert httpx.get(f"http://127.0.0.1:{port}/", timeout=30).status_code == 200
-        running = Running(process, port, time.perf_counter() - began)
-        while httpx.get(running.api + "/health", timeout=30).json()["status"] != "ok":
-            time.sleep(0.05)
-        yield running
-        process.terminate()
+        try:
+            yield _ready(process, began)
+        finally:
+            process.terminate()
+
+
+def _ready(process: subprocess.Popen[str], began: float) -> Running:
+    """The service once it can fly."""
+    assert process.stdout is not None
+    found = re.search(r":(\d+)/", process.stdout.readline())
+    assert found, "it says where it is"
+    port = int(found[1])
+    assert httpx.get(f"http://127.0.0.1:{port}/", timeout=30).status_code == 200
+    running = Running(process, port, time.perf_counter() - began)
+    while httpx.get(running.api + "/health", timeout=30).json()["status"] != "ok":
+        time.sleep(0.05)
+    return running
 
 
 def told(figures: Figures, *, as_json: bool) -> int:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import httpx
 import numpy as np
 
-from benchmarks.loads import LOADS, library, under
+from benchmarks.loads import LOADS, PATIENCE, client, library, under
 from benchmarks.service import Figures, Running, service
 
 BOUND = 0.2
@@ -30,9 +30,6 @@ BOUND = 0.2
 
 SETTLE = 1.0
 """How long a load works before the first try [s]."""
-
-PATIENCE = 60.0
-"""How long an answer may take [s]; beyond it the try counts as so long."""
 
 
 class Try(NamedTuple):
@@ -47,7 +44,7 @@ class Try(NamedTuple):
 def stops(running: Running, folder: Path, tries: int) -> list[Try]:
     """STOP a capture that flies, so many times."""
     found = []
-    with httpx.Client(base_url=running.api, timeout=PATIENCE, trust_env=False) as http:
+    with client(running.port) as http:
         for number in range(tries):
             command(http, "reset")
             command(http, "capture")
