@@ -34,7 +34,7 @@ FIXED = {
 def content_policy(*more: str) -> str:
     """The policy of a page; scripts from our files only, unless `more` says what else."""
     scripts = () if any(part.startswith("script-src") for part in more) else ("script-src 'self'",)
-    return "; ".join((*_COMMON, *scripts, *more))
+    return "; ".join(part.strip() for part in (*_COMMON, *scripts, *more))  # a header must not end in a space
 
 
 @lru_cache(maxsize=8)
