@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
+import os
 import signal
 import socket
 import threading
 import webbrowser
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import click
 import uvicorn
 from fastapi import FastAPI
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from becalm.sockets import bound_socket
 from server.api.services import Services
@@ -25,6 +29,9 @@ from server.service_log import Moment, ServiceLog
 from server.settings import Settings
 
 ANY_ADDRESS = ("0.0.0.0", "::", "")
+
+LONGEST_END = 4.5
+"""After which the service ends whatever still waits for whom [s]."""
 
 SHUTDOWN_TIME = 2
 """How long open connections may take to end [s]; the whole service has 5 s."""
@@ -51,9 +58,16 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     with bound_socket(settings.host, settings.port) as bound:
         url = address(settings.host, bound.getsockname()[1])
         with owned(settings.data_dir, url), _logging(services):
-            server = _Server(server_config(app), lambda: _announce(url, open_page=open_page), services.loop.end_soon)
+            announce = partial(_announce, url, open_page=open_page)
+            server = _Server(server_config(app), announce, partial(_end_soon, services))
             with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C has been obeyed by then: everything is closed
                 server.run(sockets=[bound])
+
+
+def _end_soon(services: Services) -> None:
+    """Leave the robot at rest, and keep nobody waiting for what would still take long."""
+    services.loop.end_soon()
+    services.aside.end_soon()
 
 
 def server_config(app: FastAPI) -> uvicorn.Config:
@@ -61,7 +75,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
     services: Services = app.state.services
     room = Connections(raise_descriptor_limit(), services.settings.trusted_proxies)
     return uvicorn.Config(
-        app,
+        _cut_off_quietly(app),
         http=bounded_http(room),
         log_config=None,
         log_level="warning",
@@ -69,6 +83,19 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         **SOCKET_OPTIONS,
         timeout_graceful_shutdown=SHUTDOWN_TIME,
     )
+
+
+def _cut_off_quietly(app: ASGIApp) -> ASGIApp:
+    """The application, whose connections uvicorn cancels at the end if they last too long: that is no failure."""
+
+    async def cut_off(scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await app(scope, receive, send)
+        except asyncio.CancelledError:
+            if scope["type"] == "lifespan":
+                raise
+
+    return cut_off
 
 
 @contextlib.contextmanager
@@ -99,13 +126,20 @@ def _announce(url: str, *, open_page: bool) -> None:
         webbrowser.open(url)
 
 
+def end_surely(patience: float) -> None:
+    """End the process after that time [s], if anything then still keeps it: mission and run are closed long before."""
+    last_resort = threading.Timer(patience, os._exit, (0,))
+    last_resort.daemon = True
+    last_resort.start()
+
+
 class _Server(uvicorn.Server):
     """Says once that it is ready; leaves the robot at rest before it waits for anyone."""
 
-    def __init__(self, config: uvicorn.Config, announce: Callable[[], None], end_mission: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, announce: Callable[[], None], end_soon: Callable[[], None]) -> None:
         super().__init__(config)
         self._announce = announce
-        self._end_mission = end_mission
+        self._end_soon = end_soon
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -126,5 +160,6 @@ class _Server(uvicorn.Server):
             self._announce()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        self._end_mission()
+        end_surely(LONGEST_END)
+        self._end_soon()
         await super().shutdown(sockets)

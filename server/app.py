@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
 from functools import partial
 from typing import Any
 
+from anyio.to_thread import current_default_thread_limiter
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
@@ -42,6 +44,8 @@ from server.api.methods import HeadAsGet
 from server.api.origin import SameOrigin
 from server.api.prefix import ForwardedPrefix
 from server.api.services import Services
+from server.api.turns import Turns
+from server.aside import Aside
 from server.cluster import cluster_workers
 from server.console import serve_console
 from server.disk import GIGABYTE, DiskGuard
@@ -80,6 +84,12 @@ COMPRESSED_ALREADY = (
     "font/*",
 )
 """Media types that are sent as they are."""
+
+THREADS = 4
+"""Requests that are answered by a thread at a time: each that computes has Python for a moment, in turn with all."""
+
+WARM_UP_PERIOD = 1.0
+"""Between two looks whether the mission flies [s]."""
 
 STUDY_NICENESS = 10
 """Of the processes that fly studies on this machine: the live mission's clock comes first."""
@@ -132,6 +142,7 @@ def create_app(settings: Settings) -> FastAPI:
         PresetStore(settings.data_dir),
         studies,
         study_queue,
+        Aside(),
         live_scene,
         playbacks,
     )
@@ -157,6 +168,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(ForwardedPrefix)
     app.add_middleware(ProxyHeadersMiddleware, trusted_hosts=list(settings.trusted_proxies))
+    app.add_middleware(Turns)
     _route(app)
     return app
 
@@ -205,6 +217,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         switch_promptly()
+        current_default_thread_limiter().total_tokens = THREADS
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
         for root in (services.store.root, services.studies.root):
@@ -227,6 +240,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
                 )
             ),
             asyncio.create_task(services.disk.keep_looking()),
+            asyncio.create_task(_warm_up(services)),
         )
         try:
             yield
@@ -243,16 +257,27 @@ def _note_removed(audit: AuditLog, gone: Expired) -> None:
     audit.note("retention", method="DELETE", path=f"{PREFIX}/runs/{gone.run_id}", status=204, why=gone.why)
 
 
+async def _warm_up(services: Services) -> None:
+    """Have the first reader served at once, but not before the mission flies: to load all they need takes a core."""
+    while services.feed.latest is None:
+        await asyncio.sleep(WARM_UP_PERIOD)
+    await services.aside.warm_up()
+
+
 async def _end(services: Services, projector: Projector) -> None:
     """End everything at once: each within its own patience, and all within the longest of them."""
     ends: tuple[Callable[[], None], ...] = (
         services.playbacks.shutdown,
+        services.aside.shutdown,
         projector.shutdown,
         partial(_end_mission, services),
         services.scripted.shutdown,
         services.study_queue.shutdown,
     )
-    await asyncio.gather(*(asyncio.to_thread(end) for end in ends))
+    threads = ThreadPoolExecutor(len(ends), "becalm-end")  # of their own: others may all be taken
+    loop = asyncio.get_running_loop()
+    await asyncio.gather(*(loop.run_in_executor(threads, end) for end in ends))
+    threads.shutdown(wait=False)
     services.access.audit.shutdown()
 
 

@@ -6,9 +6,11 @@ so that the mission thread goes on flying, and stops when it is told to.
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, field
 
 from server.history import HistoryRing
+from server.problems import ServiceBusy
 from server.run_folder import LoggedEvent
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, flown_to
@@ -16,6 +18,10 @@ from sim.errors import MissionRefused
 
 LONGEST_PAST = 3600.0
 """Mission time that is flown again at most [s]."""
+
+
+_flying_again = threading.Lock()
+"""One at a time: each takes Python from the mission thread for some milliseconds, again and again."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,7 @@ def forked(parent: Flight, tick: int) -> Fork:
 
     Raises:
         MissionRefused: it has no such tick, or it is too long since its start.
+        ServiceBusy: another one is being flown again.
 
     """
     if tick > parent.ticks:
@@ -61,5 +68,10 @@ def forked(parent: Flight, tick: int) -> Fork:
     if time > LONGEST_PAST:
         what = f"tick = {tick} is {time:.0f} s after the start, which would have to be flown again"
         raise MissionRefused(what, tip=f"fork within the first {LONGEST_PAST:.0f} s; reset before a long capture")
-    past = HistoryRing()
-    return Fork(parent, tick, history, flown_to(history, tick, past.keep), past)
+    if not _flying_again.acquire(blocking=False):
+        raise ServiceBusy("another fork is being flown to its tick", tip="try again when that has begun")
+    try:
+        past = HistoryRing()
+        return Fork(parent, tick, history, flown_to(history, tick, past.keep), past)
+    finally:
+        _flying_again.release()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from enum import StrEnum
+from functools import cache
 from typing import Annotated, Any, Literal
 
 import annotated_types
-from fastapi import APIRouter, Body, Header
-from pydantic import BaseModel, ConfigDict, Field
+from fastapi import APIRouter, Body, Header, Response
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from server.api.mission import answered
 from server.api.problem_json import responses
@@ -22,6 +24,9 @@ from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revise
 
 ATTEMPTS = 5
 """How often a change is checked anew because others changed parameters meanwhile."""
+
+_one_thread = ThreadPoolExecutor(1, "becalm-parameters")
+"""Checks one change at a time: more would only take Python from one another, and from all else."""
 
 router = APIRouter(tags=["configuration"])
 
@@ -107,10 +112,11 @@ async def change_config(
     ] = None,
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
+    loop = asyncio.get_running_loop()
     for attempt in range(1, ATTEMPTS + 1):
         before = services.loop.view.config
         # Here, not by the mission thread: what is asked may be anything, and takes its time to be refused.
-        after = await asyncio.to_thread(revised, before, changes)
+        after = await loop.run_in_executor(_one_thread, revised, before, changes)
         try:
             revision = Revision(before, after)
             await answered(
@@ -130,20 +136,32 @@ async def change_config(
     return _body(services)
 
 
-@router.get("/mission/config/schema")
-async def config_schema() -> ParameterSchema:
+@router.get("/mission/config/schema", response_model=ParameterSchema)
+async def config_schema() -> Response:
     """Every parameter with unit, bounds, default and source."""
+    return Response(_schema(), media_type="application/json")
+
+
+@cache
+def _schema() -> bytes:
     parameters = [_parameter(path) for path in PARAMETERS]
-    return ParameterSchema(parameters=parameters, json_schema=MissionConfig.model_json_schema())
+    schema = ParameterSchema(parameters=parameters, json_schema=MissionConfig.model_json_schema())
+    return schema.model_dump_json().encode()
 
 
-@router.get("/configurations")
-async def configurations() -> list[ConfigurationBody]:
+@router.get("/configurations", response_model=list[ConfigurationBody])
+async def configurations() -> Response:
     """The named configurations."""
-    return [
-        ConfigurationBody(name=name, description=DESCRIPTIONS[name], config=named)
-        for name, named in NAMED_CONFIGURATIONS.items()
+    return Response(_configurations(), media_type="application/json")
+
+
+@cache
+def _configurations() -> bytes:
+    named = [
+        ConfigurationBody(name=name, description=DESCRIPTIONS[name], config=config)
+        for name, config in NAMED_CONFIGURATIONS.items()
     ]
+    return TypeAdapter(list[ConfigurationBody]).dump_json(named)
 
 
 def _body(services: Services) -> ConfigBody:

@@ -150,7 +150,9 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
     if body.command == "fork":
         services.loop.control.require(asker)  # before it is flown again; the mission thread decides and logs all others
     ticks = body.ticks or 1
-    fork = None if body.tick is None else await asyncio.to_thread(_forked, services, body.run, body.tick)
+    # With a robot the mission thread refuses every fork: none is flown again before.
+    wanted = body.tick if services.link is None else None
+    fork = None if wanted is None else await asyncio.to_thread(_forked, services, body.run, wanted)
     request = Request(
         body.command,
         who=asker,

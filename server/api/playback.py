@@ -17,12 +17,13 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from server.api.problem_json import document_of
 from server.api.runs import RunId
 from server.api.scene import SceneChange
-from server.api.services import Services, ServicesDep
+from server.api.services import ServicesDep
 from server.feed import snapshot_text
-from server.playbacks import Screening
+from server.playbacks import Playbacks
 from server.problems import ServiceBusy
 from server.scene import CAMERAS
-from sim.errors import CaptureError, MissionRefused
+from server.screening import Opened, Screening
+from sim.errors import CaptureError
 
 TRY_AGAIN_LATER, POLICY = 1013, 1008
 """WebSocket close codes: no room now; not this run."""
@@ -60,36 +61,31 @@ _MESSAGE: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discrimina
 async def playback(websocket: WebSocket, services: ServicesDep, run_id: RunId) -> None:
     """Screen the run until the client leaves."""
     await websocket.accept()
+    playbacks = services.playbacks
     try:
-        reader = services.store.read(run_id)
-        if not reader.has_log:
-            raise MissionRefused(
-                f"run {run_id} has no log: it is {reader.record.status}", tip="ask again when it flies"
-            )
-        key, screening = await asyncio.to_thread(services.playbacks.open, reader)
+        key, screening = await playbacks.open(services.store.root, run_id)
     except CaptureError as refusal:
         code = TRY_AGAIN_LATER if isinstance(refusal, ServiceBusy) else POLICY
         await websocket.send_text(_refused(refusal))
         await websocket.close(code, str(refusal)[:100])
         return
     try:
-        await websocket.send_text(_opened(services, run_id, key, screening))
-        await _Room(websocket, screening).serve()
+        await websocket.send_text(_opened(key, screening.opened))
+        await _Room(websocket, playbacks, screening).serve()
     finally:
-        await asyncio.to_thread(services.playbacks.close, key)
+        playbacks.close(key)
 
 
-def _opened(services: Services, run_id: str, key: str, screening: Screening) -> str:
-    last = services.store.read(run_id).last_tick()
-    opened = {
+def _opened(key: str, opened: Opened) -> str:
+    told = {
         "type": "opened",
         "scene": f"/scene/playback/{key}/",
-        "end": 0.0 if last is None else float(last["time"][0]),
-        "camera": screening.scene.camera,
+        "end": opened.end,
+        "camera": opened.camera,
         "cameras": list(CAMERAS),
-        "layers": screening.scene.layers,
+        "layers": opened.layers,
     }
-    return json.dumps(opened)
+    return json.dumps(told)
 
 
 def _refused(refusal: CaptureError) -> str:
@@ -99,8 +95,9 @@ def _refused(refusal: CaptureError) -> str:
 class _Room:
     """One client and its screening: the last moment asked for is shown as soon as the one before is."""
 
-    def __init__(self, websocket: WebSocket, screening: Screening) -> None:
+    def __init__(self, websocket: WebSocket, playbacks: Playbacks, screening: Screening) -> None:
         self._websocket = websocket
+        self._playbacks = playbacks
         self._screening = screening
         self._wanted: Show | None = None
         self._arrangement: Arrange | None = None
@@ -142,15 +139,16 @@ class _Room:
             self._news.clear()
             arrangement, self._arrangement = self._arrangement, None
             if arrangement is not None:
-                await asyncio.to_thread(self._screening.scene.arrange, arrangement.camera, arrangement.layers)
+                arrange = self._screening.arrange
+                await self._playbacks.aside(arrange, arrangement.camera, arrangement.layers)
             wanted, self._wanted = self._wanted, None
             if wanted is not None:
                 await self._show(wanted.time)
 
     async def _show(self, time: float) -> None:
         try:
-            snapshot = await asyncio.to_thread(self._screening.show, time)
+            snapshot = await self._playbacks.aside(self._screening.show, time)
         except CaptureError as refusal:
             await self._websocket.send_text(_refused(refusal))
             return
-        await self._websocket.send_text(snapshot_text(snapshot.model_dump_json()))
+        await self._websocket.send_text(snapshot_text(snapshot))

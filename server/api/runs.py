@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
+from pathlib import Path as FilePath
 from typing import Annotated, Any, TypeVar, cast, get_args
 
 import pydantic
 from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, ConfigDict, Discriminator, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, TypeAdapter
 
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
+from server.api.streamed import Streamed
 from server.api.values import Changes, Flag, Instant, Integer, ShortText
 from server.decimated import decimated
 from server.export import MEDIA_TYPES, LogFormat, Span, exported
@@ -31,8 +34,8 @@ from server.run_folder import (
     RunStatus,
     Tag,
 )
-from server.run_index import RunQuery, SortKey
-from server.runs import new_record
+from server.run_index import RunIndex, RunQuery, SortKey
+from server.runs import RunStore, new_record
 from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
@@ -68,6 +71,9 @@ class RunRequest(BaseModel):
 OneRun = Annotated[RunRequest, pydantic.Tag("one")]
 ManyRuns = Annotated[Annotated[list[RunRequest], Field(min_length=1, max_length=64)], pydantic.Tag("many")]
 IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", description="The ETag that is known already")]
+
+
+_EVENTS = TypeAdapter(list[LoggedEvent])
 
 
 def _one_or_many(body: Any) -> str:
@@ -207,24 +213,29 @@ def _queued(body: RunRequest, key: str | None, digest: str) -> RunRecord:
     return new_record("scripted", name, config, direct=body.direct, **marks)
 
 
-@router.get("")
-def runs(
+@router.get("", response_model=RunPage, responses=responses(503))
+async def runs(
     services: ServicesDep,
-    response: Response,
     wanted: Annotated[RunFilter, Query()],
     if_none_match: IfNoneMatch = None,
-) -> RunPage:
+) -> Response:
     """The library, newest first."""
-    found = services.index.find(_query(wanted), wanted.limit, wanted.cursor, wanted.offset)
-    readers = [reader for reader in map(services.store.find, found.ids) if reader is not None]
-    strange = {} if wanted.cursor or wanted.offset else services.index.unreadable()
+    return _known_or_new(await services.aside.answer(_page, services.store.root, wanted), if_none_match)
+
+
+def _page(root: FilePath, wanted: RunFilter) -> bytes:
+    store = RunStore(root)
+    index = RunIndex(store)
+    found = index.find(_query(wanted), wanted.limit, wanted.cursor, wanted.offset)
+    readers = [reader for reader in map(store.find, found.ids) if reader is not None]
+    strange = {} if wanted.cursor or wanted.offset else index.unreadable()
     page = RunPage(
         runs=[_summary(reader) for reader in readers],
         total=found.total,
         unreadable=[Unreadable(id=name, reason=why) for name, why in strange.items()],
         next_cursor=found.following,
     )
-    return _tagged(page, response, if_none_match)
+    return page.model_dump_json().encode()
 
 
 def _query(wanted: RunFilter) -> RunQuery:
@@ -277,9 +288,9 @@ def delete_run(services: ServicesDep, run_id: RunId) -> Response:
 @router.get(
     "/{run_id}/log",
     response_class=StreamingResponse,
-    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404, 409)},
+    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404, 409, 503)},
 )
-def log(
+async def log(
     services: ServicesDep,
     run_id: RunId,
     log_format: Annotated[LogFormat, Query(alias="format", description="csv, parquet or mcap")] = "csv",
@@ -291,18 +302,19 @@ def log(
     ] = None,
 ) -> StreamingResponse:
     """Every recorded tick, one row each, streamed; of a run in progress what is on disk by now."""
-    reader = services.store.read(run_id)
-    _require_log(reader, since, until)
+    pieces = await services.aside.stream(_log, services.store.root, run_id, log_format, Span(since, until))
     disposition = f'attachment; filename="becalm-{run_id}.{log_format}"'
-    return StreamingResponse(
-        exported(reader, log_format, Span(since, until)),
-        media_type=MEDIA_TYPES[log_format],
-        headers={"Content-Disposition": disposition},
-    )
+    return Streamed(pieces, MEDIA_TYPES[log_format], {"Content-Disposition": disposition})
 
 
-@router.get("/{run_id}/ticks", responses=responses(404, 409))
-def ticks(
+def _log(root: FilePath, run_id: str, log_format: LogFormat, span: Span) -> Iterator[bytes]:
+    reader = RunStore(root).read(run_id)
+    _require_log(reader, span)
+    return exported(reader, log_format, span)
+
+
+@router.get("/{run_id}/ticks", response_model=History, responses=responses(404, 409, 503))
+async def ticks(
     services: ServicesDep,
     run_id: RunId,
     since: Annotated[
@@ -312,20 +324,30 @@ def ticks(
         float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")
     ] = None,
     points: Annotated[int, Query(ge=2, le=20_000, description="Rows at most")] = 2000,
-) -> History:
+) -> Response:
     """A run for plots, in the form of the live mission's history, with the extremes of every piece of time."""
-    reader = services.store.read(run_id)
-    _require_log(reader, since, until)
-    return decimated(reader, points, Span(since, until))
+    content = await services.aside.answer(_ticks, services.store.root, run_id, points, Span(since, until))
+    return Response(content, media_type="application/json")
 
 
-@router.get("/{run_id}/events", responses=responses(404, 409))
-def events(services: ServicesDep, run_id: RunId) -> list[LoggedEvent]:
+def _ticks(root: FilePath, run_id: str, points: int, span: Span) -> bytes:
+    reader = RunStore(root).read(run_id)
+    _require_log(reader, span)
+    return decimated(reader, points, span).model_dump_json().encode()
+
+
+@router.get("/{run_id}/events", response_model=list[LoggedEvent], responses=responses(404, 409, 503))
+async def events(services: ServicesDep, run_id: RunId) -> Response:
     """What happened in a run: events, commands with their answers, parameter changes."""
-    return [LoggedEvent.model_validate(event) for event in services.store.read(run_id).events()]
+    content = await services.aside.answer(_events, services.store.root, run_id)
+    return Response(content, media_type="application/json")
 
 
-def _require_log(reader: RunReader, since: float | None, until: float | None) -> None:
+def _events(root: FilePath, run_id: str) -> bytes:
+    return _EVENTS.dump_json([LoggedEvent.model_validate(event) for event in RunStore(root).read(run_id).events()])
+
+
+def _require_log(reader: RunReader, span: Span) -> None:
     """Refuse a log that there is not, or not in that span of mission time [s].
 
     Raises:
@@ -333,6 +355,7 @@ def _require_log(reader: RunReader, since: float | None, until: float | None) ->
         ConfigError: the span lies outside the run.
 
     """
+    since, until = span
     if not reader.has_log:
         what = f"run {reader.record.id} has no log: it is {reader.record.status}"
         raise MissionRefused(what, tip="ask again when it flies")
@@ -352,7 +375,19 @@ def _require_not_live(services: Services, run_id: str) -> None:
 
 
 def _etag(body: BaseModel) -> str:
-    return f'"{hashlib.sha256(body.model_dump_json().encode()).hexdigest()[:32]}"'
+    return _etag_of(body.model_dump_json().encode())
+
+
+def _etag_of(content: bytes) -> str:
+    return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
+
+
+def _known_or_new(content: bytes, known: str | None) -> Response:
+    """That JSON with its ETag; 304 if it is known."""
+    headers = {"ETag": _etag_of(content)}
+    if known is not None and headers["ETag"] in known:
+        return Response(status_code=304, headers=headers)
+    return Response(content, headers=headers, media_type="application/json")
 
 
 def _tagged(body: Tagged, response: Response, known: str | None) -> Tagged:

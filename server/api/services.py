@@ -9,6 +9,7 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from server.access.guard import Access, holder_of
+from server.aside import Aside
 from server.disk import DiskGuard
 from server.feed import Feed
 from server.link.robot_link import RobotLink
@@ -43,11 +44,14 @@ class Services:
     presets: PresetStore
     studies: StudyStore
     study_queue: StudyQueue
+    aside: Aside
     scene: Scene
     playbacks: Playbacks
 
 
-def _services(connection: HTTPConnection) -> Services:
+# Asynchronous, though they wait for nothing: FastAPI gives others to a pool of threads, which readers may fill, and
+# STOP needs both of these.
+async def _services(connection: HTTPConnection) -> Services:
     services: Services = connection.app.state.services
     return services
 
@@ -55,7 +59,7 @@ def _services(connection: HTTPConnection) -> Services:
 ServicesDep = Annotated[Services, Depends(_services)]
 
 
-def _asker(connection: HTTPConnection) -> str:
+async def _asker(connection: HTTPConnection) -> str:
     holder = holder_of(connection)
     assert holder is not None, "the guard lets nobody in here without one"
     return holder.name

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import shutil
 import tempfile
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path as FilePath
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response
-from fastapi.responses import FileResponse
+from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
-from starlette.background import BackgroundTask
 
 from server.api.problem_json import responses
 from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
+from server.api.streamed import Streamed
 from server.api.values import Changes, Flag, Integer, ShortText
 from server.live_mission import display_name
 from server.problems import StudyNotFound
 from server.runs import new_record
-from server.studies import StudyRecord, StudyStatus
+from server.studies import StudyRecord, StudyStatus, StudyStore
 from sim.config import PARAMETERS
 from sim.study.axes import Distribution, SampleMethod, Value
 from sim.study.design import Study, altered, configured, study_of
@@ -43,6 +43,9 @@ router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422)
 
 StudyId = Annotated[str, Path(description="Identifier of a study", examples=["20261125T103000123-4f9a2c"])]
 CellIndex = Annotated[int, Path(ge=0, description="Place of a cell in the study, from 0")]
+
+PIECE = 2**18
+"""Bytes of a table that are sent at once."""
 
 LONG_AXIS = 200
 """Values of an axis that an estimate lists; of more it lists the first and the last."""
@@ -235,10 +238,17 @@ def published_tables() -> PublishedTables:
     )
 
 
-@router.get("/{study_id}", responses=responses(404, 409))
-def study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
+@router.get("/{study_id}", response_model=StudyDetail, responses=responses(404, 409, 503))
+async def study(services: ServicesDep, study_id: StudyId) -> Response:
     """One study, and what came out until now."""
-    return _detail(services, services.studies.record(study_id))
+    summary = _summary(services, services.studies.record(study_id))
+    content = await services.aside.answer(_detail_aside, services.studies.root, summary)
+    return Response(content, media_type="application/json")
+
+
+def _detail_aside(root: FilePath, summary: StudySummary) -> bytes:
+    studies = StudyStore(root)
+    return _detailed(studies, studies.record(summary.id), summary).model_dump_json().encode()
 
 
 @router.delete("/{study_id}", status_code=204, responses=responses(404, 409))
@@ -261,44 +271,50 @@ def resume_study(services: ServicesDep, study_id: StudyId) -> StudyDetail:
     return _detail(services, services.study_queue.resume(study_id))
 
 
-@router.get("/{study_id}/rows", responses=responses(404))
-def rows(
+@router.get("/{study_id}/rows", response_model=StudyRowPage, responses=responses(404, 503))
+async def rows(
     services: ServicesDep,
     study_id: StudyId,
     after: Annotated[int, Query(ge=0, le=2**63 - 1, description="`last` of the page before")] = 0,
     limit: Annotated[int, Query(ge=1, le=10_000, description="Rows on a page")] = 2_000,
-) -> StudyRowPage:
+) -> Response:
     """The rows that came after a row: what a map that fills asks for."""
-    table = services.studies.rows(services.studies.record(study_id))
-    kept = table.rows_after(after, limit)
-    return StudyRowPage(rows=[each.row for each in kept], last=kept[-1].sequence if kept else after)
+    content = await services.aside.answer(_rows, services.studies.root, study_id, after, limit)
+    return Response(content, media_type="application/json")
+
+
+def _rows(root: FilePath, study_id: str, after: int, limit: int) -> bytes:
+    studies = StudyStore(root)
+    kept = studies.rows(studies.record(study_id)).rows_after(after, limit)
+    page = StudyRowPage(rows=[each.row for each in kept], last=kept[-1].sequence if kept else after)
+    return page.model_dump_json().encode()
 
 
 @router.get(
     "/{study_id}/results",
-    response_class=FileResponse,
-    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404)},
+    response_class=StreamingResponse,
+    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **responses(404, 503)},
 )
-def results(
+async def results(
     services: ServicesDep,
     study_id: StudyId,
     table_format: Annotated[TableFormat, Query(alias="format", description="csv, parquet or json")] = TableFormat.CSV,
-) -> FileResponse:
+) -> StreamingResponse:
     """The table, ordered by cell, with the rows that are there now."""
-    record = services.studies.record(study_id)
-    folder = FilePath(tempfile.mkdtemp(prefix="becalm-results-"))
-    try:
-        path = folder / f"study.{table_format}"
-        export(services.studies.rows(record), path, table_format)
-    except BaseException:
-        shutil.rmtree(folder)
-        raise
-    return FileResponse(
-        path,
-        media_type=MEDIA_TYPES[table_format],
-        filename=f"becalm-study-{record.id}.{table_format}",
-        background=BackgroundTask(shutil.rmtree, folder),
-    )
+    pieces = await services.aside.stream(_results, services.studies.root, study_id, table_format)
+    disposition = f'attachment; filename="becalm-study-{study_id}.{table_format}"'
+    return Streamed(pieces, MEDIA_TYPES[table_format], {"Content-Disposition": disposition})
+
+
+def _results(root: FilePath, study_id: str, table_format: TableFormat) -> Iterator[bytes]:
+    studies = StudyStore(root)
+    table = studies.rows(studies.record(study_id))
+    with tempfile.TemporaryDirectory(prefix="becalm-results-") as folder:
+        path = FilePath(folder, f"study.{table_format}")
+        export(table, path, table_format)
+        with path.open("rb") as file:
+            while piece := file.read(PIECE):
+                yield piece
 
 
 @router.post("/{study_id}/cells/{index}/run", status_code=202, responses=responses(404, 503, 507))
@@ -327,10 +343,14 @@ def _summary(services: Services, record: StudyRecord) -> StudySummary:
 
 
 def _detail(services: Services, record: StudyRecord) -> StudyDetail:
-    of, table = record.study, services.studies.rows(record)
+    return _detailed(services.studies, record, _summary(services, record))
+
+
+def _detailed(studies: StudyStore, record: StudyRecord, summary: StudySummary) -> StudyDetail:
+    of, table = record.study, studies.rows(record)
     impedances = table.rows("cell", MASS, DAMPING, STIFFNESS, "at_first_closure")
     return StudyDetail(
-        **dict(_summary(services, record)),
+        **dict(summary),
         definition=record.definition,
         axes=_axes(of),
         sample_method=of.samples.method if of.samples else None,

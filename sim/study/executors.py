@@ -60,7 +60,7 @@ class LocalProcesses(ProcessPoolExecutor):
 
     def __init__(self, workers: int, niceness: int = 0) -> None:
         context = multiprocessing.get_context("spawn")
-        super().__init__(workers, mp_context=context, initializer=_begin_worker, initargs=(niceness,))
+        super().__init__(workers, mp_context=context, initializer=begin_worker, initargs=(niceness,))
 
     def submit(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_R]:
         """As every executor; a worker that starts for it keeps the mask, so that Ctrl-C never reaches it."""
@@ -82,7 +82,7 @@ def local_workers(count: int, niceness: int = 0) -> Workers:
     return Workers(partial(LocalProcesses, count, niceness), count, words)
 
 
-def _begin_worker(niceness: int) -> None:
+def begin_worker(niceness: int) -> None:
     """A worker ends with the process that leads the study, however that ends; `niceness` lets others go first."""
     leave_realtime()
     if hasattr(os, "nice"):

@@ -108,7 +108,7 @@ async def test_log_reads_back_bit_for_bit(console, log_format):
 
 
 async def test_log_of_a_run_in_progress(console):
-    await console.granted("run", speed=2)
+    await console.granted("run", speed=0.1)  # it is in progress for more than a minute
     await console.granted("capture")
     run_id = (await console.snapshot())["run_id"]
     reader = console.services.store.read(run_id)
