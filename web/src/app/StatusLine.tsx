@@ -34,9 +34,9 @@ function MissionFacts({ phased }: { readonly phased: boolean }) {
 export function StatusLine({ phased }: { readonly phased: boolean }) {
   const trusted = useView((view) => view.trust === "live" && view.robotAge === 0);
   return (
-    <div className={styles.line}>
+    <section className={styles.line} aria-label="State of the data">
       <LinkState />
       {trusted ? <MissionFacts phased={phased} /> : <TrustNotice />}
-    </div>
+    </section>
   );
 }
