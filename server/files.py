@@ -17,6 +17,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 
 from server.problems import StoredUnreadable
+from server.texts import shortened
 from sim.files import replacing
 
 M = TypeVar("M", bound=BaseModel)
@@ -42,8 +43,13 @@ def replace_file(path: Path, content: bytes, *, mode: int = 0o644) -> None:
         file.write(content)
 
 
-def read_document(path: Path, model: type[M]) -> M:
+def read_document(path: Path, model: type[M], *, numbers: bool = True) -> M:
     """What a JSON file holds.
+
+    Args:
+        path: of the file.
+        model: of what it holds.
+        numbers: whether one that is not finite makes it damaged; else whoever reads on looks at them.
 
     Raises:
         FileNotFoundError: there is none.
@@ -53,11 +59,11 @@ def read_document(path: Path, model: type[M]) -> M:
     try:
         content = _content(path)
         document = model.model_validate_json(content)
-        if not _finite(from_json(content)):
+        if numbers and not finite(from_json(content)):
             raise StoredUnreadable(f"{path.name} is damaged: a number in it is not finite")
         return document
     except ValidationError as error:
-        raise StoredUnreadable(f"{path.name} is damaged or of another version: {_finding(error)}") from None
+        raise StoredUnreadable(f"{path.name} is damaged or of another version: {finding(error)}") from None
     except RecursionError:
         raise StoredUnreadable(f"{path.name} is damaged: it is nested too deeply") from None
     except FileNotFoundError:
@@ -84,11 +90,11 @@ def read_lines(path: Path, model: type[M], *, strict: bool = False) -> Iterator[
     for number, line in enumerate(_lines(path), 1):
         try:
             document = model.model_validate_json(line)
-            if not _finite(from_json(line)):
+            if not finite(from_json(line)):
                 raise ValueError("a number in it is not finite")
         except (ValueError, RecursionError) as error:
             if strict:
-                why = _finding(error) if isinstance(error, ValidationError) else str(error)
+                why = finding(error) if isinstance(error, ValidationError) else str(error)
                 raise StoredUnreadable(f"line {number} of {path.name} is damaged: {why}") from None
             damaged += 1
             continue
@@ -127,26 +133,21 @@ def _opened(path: Path) -> BinaryIO:
     return os.fdopen(descriptor, "rb")
 
 
-def _finite(value: Any) -> bool:
+def finite(value: Any) -> bool:
     """Whether every number in a document is one that JSON can say."""
     if isinstance(value, dict):
-        return all(map(_finite, value.values()))
+        return all(map(finite, value.values()))
     if isinstance(value, list):
-        return all(map(_finite, value))
+        return all(map(finite, value))
     return not isinstance(value, float) or math.isfinite(value)
 
 
-def _finding(error: ValidationError) -> str:
+def finding(error: ValidationError) -> str:
     """The first thing wrong; names come from the file, so that they are cut and escaped."""
     first = error.errors(include_url=False, include_context=False)[0]
-    where, message = shown(".".join(map(str, first["loc"]))), first["msg"].removeprefix("Value error, ")
+    where = shortened(".".join(map(str, first["loc"])), LONGEST_NAME)
+    message = first["msg"].removeprefix("Value error, ")
     return f"{where}: {message}" if where else message
-
-
-def shown(name: str) -> str:
-    """A name out of a file as a message or a log line may hold it: of bounded length, on one line."""
-    cut = name if len(name) <= LONGEST_NAME else name[:LONGEST_NAME] + "..."
-    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in cut)
 
 
 def remove_folder(folder: Path, record: str) -> None:

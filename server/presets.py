@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from server.files import read_document, replace_file
+from server.files import finding, finite, read_document, replace_file
 from server.problems import PresetNotFound
+from server.texts import shortened
 from sim.capture.snapshot import Published
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
@@ -39,45 +41,57 @@ class Preset(Published):
         return revised(named_configuration(self.configuration), self.changes)
 
 
+class UnreadablePreset(NamedTuple):
+    """A preset of the file that is damaged or of another version."""
+
+    name: str
+    """As far as there is one; else its place in the file, in words."""
+    reason: str
+
+
 class _PresetFile(BaseModel):
+    """Each preset is read by itself, so that one that cannot be read costs no other."""
+
     model_config = ConfigDict(extra="forbid")
 
     version: int = 1
-    presets: tuple[Preset, ...] = ()
+    presets: tuple[Any, ...] = ()
 
 
 class PresetStore:
-    """The presets of one data folder, in one file that is replaced as a whole; from any thread."""
+    """The presets of one data folder, in one file that is replaced as a whole; from any thread.
+
+    What cannot be read of it stays as it is for whoever can mend it, until it is replaced or removed by its name.
+    """
 
     def __init__(self, folder: Path) -> None:
         """Read nothing yet."""
         self._path = folder / "presets.json"
         self._lock = threading.Lock()
 
-    def presets(self) -> tuple[Preset, ...]:
-        """All of them, by name.
+    def presets(self) -> tuple[Preset | UnreadablePreset, ...]:
+        """All of them, in the order of the file.
 
         Raises:
-            StoredUnreadable: their file cannot be read.
+            StoredUnreadable: the file as a whole cannot be read.
 
         """
-        try:
-            return read_document(self._path, _PresetFile).presets
-        except FileNotFoundError:
-            return ()
+        return tuple(_preset(entry, place) for place, entry in enumerate(self._entries(), 1))
 
     def keep(self, preset: Preset) -> None:
         """Keep a preset, in place of one of that name.
 
         Raises:
             ConfigError: it cannot be flown; nothing is kept then.
-            StoredUnreadable: the file cannot be read, and is left for whoever can mend it.
+            StoredUnreadable: the file as a whole cannot be read, and is left for whoever can mend it.
 
         """
         preset.config()
         with self._lock:
-            others = (other for other in self.presets() if other.name != preset.name)
-            self._write(sorted((*others, preset), key=lambda each: each.name.casefold()))
+            kept = [entry for entry in self._entries() if _name(entry) != preset.name]
+            self._write(
+                sorted((*kept, preset.model_dump(mode="json")), key=lambda each: (_name(each) or "").casefold())
+            )
 
     def remove(self, name: str) -> None:
         """Keep that one no longer.
@@ -87,12 +101,36 @@ class PresetStore:
 
         """
         with self._lock:
-            present = self.presets()
-            kept = [preset for preset in present if preset.name != name]
+            present = self._entries()
+            kept = [entry for entry in present if _name(entry) != name]
             if len(kept) == len(present):
-                known = ", ".join(preset.name for preset in present) or "none"
+                known = ", ".join(shortened(each) for each in map(_name, present) if each) or "none"
                 raise PresetNotFound(f"name = {name!r}: there is no such preset; known: {known}")
             self._write(kept)
 
-    def _write(self, presets: list[Preset]) -> None:
-        replace_file(self._path, _PresetFile(presets=tuple(presets)).model_dump_json(indent=1).encode())
+    def _entries(self) -> tuple[Any, ...]:
+        try:
+            return read_document(self._path, _PresetFile, numbers=False).presets
+        except FileNotFoundError:
+            return ()
+
+    def _write(self, entries: list[Any]) -> None:
+        content = json.dumps({"version": _PresetFile().version, "presets": entries}, indent=1, ensure_ascii=False)
+        replace_file(self._path, content.encode())
+
+
+def _preset(entry: Any, place: int) -> Preset | UnreadablePreset:
+    try:
+        preset = Preset.model_validate(entry)
+    except ValidationError as error:
+        reason = finding(error)
+    else:
+        if finite(entry):
+            return preset
+        reason = "a number in it is not finite"
+    return UnreadablePreset(shortened(_name(entry) or f"number {place}"), reason)
+
+
+def _name(entry: Any) -> str | None:
+    name = entry.get("name") if isinstance(entry, dict) else None
+    return name if isinstance(name, str) else None

@@ -24,12 +24,13 @@ import numpy as np
 from mcap.records import ChunkIndex
 from pydantic import AllowInfNan, Field, Strict, StringConstraints, field_validator
 
-from server.files import read_document, read_lines, replace_file, shown
+from server.files import read_document, read_lines, replace_file
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.topics import CDR_TICK
 from server.log.writer import LogWriter, nanoseconds
 from server.problems import StoredUnreadable
+from server.texts import shortened
 from server.versions import versions
 from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
@@ -185,7 +186,7 @@ def read_record(folder: Path) -> RunRecord:
     record = read_document(folder / RECORD_NAME, RunRecord)
     if record.id != folder.name:
         raise StoredUnreadable(
-            f"{RECORD_NAME} is that of run {shown(record.id)}, of which this folder seems to be a copy",
+            f"{RECORD_NAME} is that of run {shortened(record.id)}, of which this folder seems to be a copy",
             tip="rename the folder to that identifier if it is the only one, or remove it",
         )
     return record

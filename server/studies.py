@@ -14,10 +14,11 @@ from typing import Any, Literal
 
 from pydantic import Field, JsonValue, field_validator
 
-from server.files import read_document, remove_folder, replace_file, shown
+from server.files import read_document, remove_folder, replace_file
 from server.problems import StoredUnreadable, StudyNotFound
 from server.run_folder import instant, wall_clock
 from server.runs import new_run_id
+from server.texts import shortened
 from server.versions import versions
 from sim.capture.snapshot import Published
 from sim.study.design import Study, study_of
@@ -108,7 +109,7 @@ class StudyStore:
         except FileNotFoundError:
             raise _not_found(study_id) from None
         if record.id != study_id:
-            what = f"{RECORD_NAME} is that of study {shown(record.id)}, of which this folder seems to be a copy"
+            what = f"{RECORD_NAME} is that of study {shortened(record.id)}, of which this folder seems to be a copy"
             raise StoredUnreadable(what, tip="rename the folder to that identifier if it is the only one, or remove it")
         return record
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.api.problem_json import responses
 from server.api.services import AskerDep, ServicesDep
 from server.api.values import Changes, ShortText
-from server.presets import NAME, Preset
+from server.presets import NAME, Preset, UnreadablePreset
 from server.run_folder import wall_clock
 from sim.config import MissionConfig
 from sim.errors import ConfigError
@@ -36,7 +36,8 @@ class PresetBody(BaseModel):
 class KeptPreset(BaseModel):
     """A preset, and what it comes to."""
 
-    preset: Preset
+    name: str = Field(description="Its own, or where it stands in the file if it has none")
+    preset: Preset | None = Field(description="Null if it is damaged, or of another version")
     config: MissionConfig | None = Field(description="Null if this version of Becalm cannot fly it")
     refusal: str | None = Field(description="Why not")
 
@@ -62,8 +63,10 @@ async def remove_preset(services: ServicesDep, name: PresetName) -> Response:
     return Response(status_code=204)
 
 
-def _kept(preset: Preset) -> KeptPreset:
+def _kept(preset: Preset | UnreadablePreset) -> KeptPreset:
+    if isinstance(preset, UnreadablePreset):
+        return KeptPreset(name=preset.name, preset=None, config=None, refusal=preset.reason)
     try:
-        return KeptPreset(preset=preset, config=preset.config(), refusal=None)
+        return KeptPreset(name=preset.name, preset=preset, config=preset.config(), refusal=None)
     except ConfigError as error:
-        return KeptPreset(preset=preset, config=None, refusal=str(error))
+        return KeptPreset(name=preset.name, preset=preset, config=None, refusal=str(error))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+NAN = float("nan")
 SOFT = {"configuration": "published_figures", "changes": {"control": {"impedance": {"damping": 0.25}}}}
 
 
@@ -50,6 +51,19 @@ async def test_a_preset_of_another_version_is_listed_with_the_reason_why_it_cann
     [listed] = (await console.http.get("/presets")).json()
     assert listed["config"] is None
     assert "springiness" in listed["refusal"]
+    good, odd = kept["presets"][0] | {"name": "good", "changes": {}}, {"name": "odd", "changes": {"a": 1}}
+    path.write_text(
+        json.dumps({"version": 1, "presets": [odd, 5, good, good | {"name": "nan", "changes": {"a": NAN}}]})
+    )
+    listed = (await console.http.get("/presets")).json()
+    assert [each["name"] for each in listed] == ["odd", "number 2", "good", "nan"]
+    assert [each["preset"] is None for each in listed] == [True, True, False, True]
+    assert all(each["refusal"] for each in listed if each["preset"] is None)
+    await console.http.put("/presets/new", json=SOFT)
+    assert (await console.http.delete("/presets/odd")).status_code == 204
+    assert sorted(
+        str(each["name"] if isinstance(each, dict) else None) for each in json.loads(path.read_text())["presets"]
+    ) == ["None", "good", "nan", "new"]
     path.write_text("{")
     damaged = await console.http.get("/presets")
     assert damaged.status_code == 409

@@ -32,12 +32,19 @@ function usePresets(): { readonly presets: readonly Preset[]; readonly again: ()
   return { presets, again };
 }
 
+/** What becomes of the preset that has this name now. */
+function wordsOf(known: Preset | undefined): string {
+  if (known === undefined) return "Keeps what is in force, with what is staged.";
+  if (known.preset === null) return `It cannot be read (${known.refusal ?? "no reason given"}), and would be replaced.`;
+  return `Kept by ${known.preset.who}; it would be replaced.`;
+}
+
 export function Presets({ present, stage }: PresetsProps) {
   const { presets, again } = usePresets();
   const { doing, waiting, refusal } = useDoing();
   const byRole = useReasonByRole("operator");
   const [name, setName] = useState("");
-  const known = presets.find(({ preset }) => preset.name === name.trim());
+  const known = presets.find((preset) => preset.name === name.trim());
   const change = (work: () => Promise<unknown>): void => void doing(() => work().then(again));
   return (
     <div className={styles.presets}>
@@ -47,12 +54,12 @@ export function Presets({ present, stage }: PresetsProps) {
         onFocus={again}
         data={[
           { value: "", label: presets.length === 0 ? "No preset kept yet" : "Stage a preset" },
-          ...presets.map(({ preset, config }) => ({ value: preset.name, label: preset.name, disabled: config === null })),
+          ...presets.map(({ name, preset, config }) => ({ value: name, label: preset === null ? `${name} (cannot be read)` : name, disabled: config === null })),
         ]}
         onChange={(value) => {
-          const chosen = presets.find(({ preset }) => preset.name === value);
+          const chosen = presets.find((preset) => preset.name === value);
           if (chosen === undefined) return;
-          setName(chosen.preset.name);
+          setName(chosen.name);
           stage(chosen);
         }}
       />
@@ -65,12 +72,12 @@ export function Presets({ present, stage }: PresetsProps) {
       >
         <div className={styles.keep}>
           <TextInput aria-label="Name of the preset" placeholder="such as: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
-          <p>{known ? `Kept by ${known.preset.who}; it would be replaced.` : "Keeps what is in force, with what is staged."}</p>
+          <p>{wordsOf(known)}</p>
           <div className={styles.pair}>
             <Button variant="filled" loading={waiting} disabled={name.trim() === "" || present === null} onClick={() => { if (present !== null) change(() => keepPreset(name.trim(), present)); }}>
               {known ? "Replace" : "Keep"}
             </Button>
-            {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.preset.name)); }} />}
+            {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.name)); }} />}
           </div>
           {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
         </div>
