@@ -12,6 +12,9 @@ from server.access.roles import Role
 from server.access.tokens import Token, TokenStore
 from server.settings import Settings
 
+SHORTEST_DAYS, LONGEST_DAYS = 1e-5, 36_525
+"""Of a token that does not hold for good: a second to a hundred years."""
+
 EXAMPLES = """\b
 Examples:
   becalm token create ana --role operator
@@ -33,6 +36,16 @@ def _store() -> TokenStore:
     return TokenStore(Settings.from_environment().data_dir / "access")
 
 
+def _lifetime(_context: click.Context, _option: click.Parameter, days: float | None) -> timedelta | None:
+    if days is None:
+        return None
+    if not SHORTEST_DAYS <= days <= LONGEST_DAYS:  # nor is one that is no number
+        raise click.BadParameter(
+            f"{days:g} days: write {SHORTEST_DAYS:.0e} to {LONGEST_DAYS}; left out, it holds for good"
+        )
+    return timedelta(days=days)
+
+
 @click.group("token", epilog=EXAMPLES, short_help="Make, list and revoke access tokens.")
 def token() -> None:
     """Make, list and revoke the tokens by which people and scripts sign in."""
@@ -41,11 +54,11 @@ def token() -> None:
 @token.command()
 @click.argument("name")
 @click.option("--role", type=click.Choice([role.value for role in Role]), required=True, help="What it allows.")
-@click.option("--days", type=click.FloatRange(min=0, min_open=True), help="How long it holds.  [default: for good]")
+@click.option("--days", type=float, callback=_lifetime, help="How long it holds.  [default: for good; at most 36525]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-def create(*, name: str, role: str, days: float | None, as_json: bool) -> None:
+def create(*, name: str, role: str, days: timedelta | None, as_json: bool) -> None:
     """Make a token for NAME and print it: this once, it is kept nowhere."""
-    secret = _store().create(name, Role(role), None if days is None else timedelta(days=days))
+    secret = _store().create(name, Role(role), days)
     if as_json:
         click.echo(json.dumps({"name": name, "role": role, "token": secret}))
     else:

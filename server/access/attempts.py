@@ -1,4 +1,7 @@
-"""How often an address has shown a token that is none: a few times is a slip, more is somebody who tries."""
+"""How many tokens that are none an address has shown: a few are slips, more is somebody who tries.
+
+The same one again is no further try: a page whose token was revoked goes on asking with it.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable
 
 ALLOWED = 10
-"""Failures within the window that are answered as such."""
+"""Wrong tokens within the window that are answered as such."""
 
 WINDOW = 60.0
 """How long a failure counts [s]."""
@@ -18,25 +21,28 @@ ADDRESSES = 4096
 
 
 class Attempts:
-    """Failures of the last minute, by address; bounded in memory."""
+    """Wrong tokens of the last minute, by address; bounded in memory."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._failures: OrderedDict[str, deque[float]] = OrderedDict()
+        self._failures: OrderedDict[str, deque[tuple[float, int]]] = OrderedDict()
 
-    def failed(self, address: str) -> float | None:
-        """Count a failure; how long that address has to wait [s], or None if it may go on trying."""
+    def failed(self, address: str, secret: str) -> float | None:
+        """Count a wrong token, once; how long that address has to wait [s], or None if it may go on trying."""
         now = self._clock()
         address = network_of(address)
-        times = self._failures.setdefault(address, deque(maxlen=ALLOWED))
+        tried = self._failures.setdefault(address, deque(maxlen=ALLOWED))
         self._failures.move_to_end(address)
         if len(self._failures) > ADDRESSES:
             self._failures.popitem(last=False)
-        while times and now - times[0] >= WINDOW:
-            times.popleft()
-        if len(times) == ALLOWED:
-            return WINDOW - (now - times[0])
-        times.append(now)
+        while tried and now - tried[0][0] >= WINDOW:
+            tried.popleft()
+        which = hash(secret)
+        if any(which == known for _, known in tried):
+            return None
+        if len(tried) == ALLOWED:
+            return WINDOW - (now - tried[0][0])
+        tried.append((now, which))
         return None
 
 

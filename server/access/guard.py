@@ -24,6 +24,8 @@ ANYONE = Holder("operator", Role.ADMIN)
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 
+STOP = ("POST", "/api/v1/mission/stop")
+
 
 class Access(NamedTuple):
     """Whom the service lets in."""
@@ -105,12 +107,16 @@ class Guard:
         if needed is None:
             return _Admitted(holder), None
         if holder is None:
-            return _Admitted(None), unknown_token(self._access, scope) if secrets else _no_token()
+            return _Admitted(None), self._unknown(scope, method, path, secrets) if secrets else _no_token()
         if not holder.role.covers(needed):
             tip = f"ask for a token with the role {needed}"
             detail = f"{method} {shortened(path)} takes the role {needed}; {holder.name} is {holder.role}"
             return _Admitted(holder), Refusal(403, "Not allowed", detail, tip, {})
         return _Admitted(holder, secret), None
+
+    def _unknown(self, scope: Scope, method: str, path: str, secrets: tuple[str, ...]) -> Refusal:
+        """STOP is told why it is not obeyed, however often it is pressed: it neither counts nor is slowed down."""
+        return _NOT_A_TOKEN if (method, path) == STOP else unknown_token(self._access, scope, secrets[0])
 
     def _holds(self, secret: str, method: str, path: str) -> bool:
         """Whether what a token was admitted to would be granted again."""
@@ -166,15 +172,23 @@ def holder_of(connection: HTTPConnection) -> Holder | None:
     return holder
 
 
-def unknown_token(access: Access, scope: Scope) -> Refusal:
+def unknown_token(access: Access, scope: Scope, secret: str) -> Refusal:
     """Of a token that is none: 401, or 429 for an address that tries one after another. In the event loop only."""
-    wait = access.attempts.failed(address_of(scope))
+    wait = access.attempts.failed(address_of(scope), secret)
     if wait is None:
-        detail = "this token is unknown, has expired or was revoked"
-        return Refusal(401, "Not signed in", detail, "becalm token create makes one", _CHALLENGE)
+        return _NOT_A_TOKEN
     seconds = str(max(1, round(wait)))
     detail = f"too many tokens that are none from this address; try again in {seconds} s"
     return Refusal(429, "Too many attempts", detail, "one that holds is still let in", {"Retry-After": seconds})
+
+
+_NOT_A_TOKEN = Refusal(
+    401,
+    "Not signed in",
+    "this token is unknown, has expired or was revoked",
+    "becalm token create makes one",
+    _CHALLENGE,
+)
 
 
 def _no_token() -> Refusal:

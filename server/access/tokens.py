@@ -11,6 +11,9 @@ import hashlib
 import logging
 import os
 import secrets
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -20,12 +23,16 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationErro
 from server.access.roles import Role
 from server.files import read_document, replace_file
 from server.problems import StoredUnreadable
+from sim.claim import Claim
 from sim.errors import ConfigError
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}"
 PREFIX = "becalm_"
 SHORTEST_SECRET = 32
 """Characters of a token that comes from a file; those made here have 50."""
+
+LONGEST_CHANGE = 10.0
+"""What one process waits for another that changes the tokens [s]; it takes a few milliseconds."""
 
 ADMIN_NAME = "admin"
 """Whose token the file of `BECALM_ADMIN_TOKEN_FILE` holds."""
@@ -100,6 +107,10 @@ class TokenStore:
             ConfigError: there is one of that name, or the name cannot be one.
 
         """
+        with self._changing():
+            return self._create(name, role, lifetime)
+
+    def _create(self, name: str, role: Role, lifetime: timedelta | None) -> str:
         present = self.tokens()
         if name == ADMIN_NAME or any(token.name == name for token in present):
             raise ConfigError(f"name = {name!r} is taken", tip="choose another, or revoke that token first")
@@ -120,12 +131,13 @@ class TokenStore:
             ConfigError: there is none of that name.
 
         """
-        present = self.tokens()
-        kept = tuple(token for token in present if token.name != name)
-        if len(kept) == len(present):
-            known = ", ".join(token.name for token in present) or "none"
-            raise ConfigError(f"name = {name!r}: there is no such token; known: {known}")
-        self._write(kept)
+        with self._changing():
+            present = self.tokens()
+            kept = tuple(token for token in present if token.name != name)
+            if len(kept) == len(present):
+                known = ", ".join(token.name for token in present) or "none"
+                raise ConfigError(f"name = {name!r}: there is no such token; known: {known}")
+            self._write(kept)
 
     def tokens(self) -> tuple[Token, ...]:
         """All of them, also those that have expired.
@@ -196,8 +208,28 @@ class TokenStore:
             log.error("%s; the %d tokens that were last read go on holding", damage, len(self._by_digest))
         self._stamp, self._damage = stamp, damage
 
-    def _write(self, tokens: tuple[Token, ...]) -> None:
+    @contextmanager
+    def _changing(self) -> Iterator[None]:
+        """From reading the file to replacing it nobody else does so, in whatever process."""
         self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        claim = self._claimed()
+        try:
+            yield
+        finally:
+            claim.release()
+
+    def _claimed(self) -> Claim:
+        given_up = time.monotonic() + LONGEST_CHANGE
+        while True:
+            try:
+                return Claim(self._path.with_suffix(".lock"))
+            except BlockingIOError:
+                if time.monotonic() > given_up:
+                    what = f"the tokens of {self._path.parent} are being changed by another process"
+                    raise ConfigError(what, tip="try again when that has ended") from None
+                time.sleep(0.02)
+
+    def _write(self, tokens: tuple[Token, ...]) -> None:
         replace_file(self._path, _TokenFile(tokens=tokens).model_dump_json(indent=1).encode(), mode=0o600)
 
 

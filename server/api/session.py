@@ -43,7 +43,7 @@ async def sign_in(services: ServicesDep, request: Request, response: Response, b
     """Keep a token in a cookie that scripts of the page cannot read and other sites cannot use."""
     holder = services.access.tokens.holder_of(body.token)
     if holder is None:
-        return unknown_token(services.access, request.scope).answer
+        return unknown_token(services.access, request.scope, body.token).answer
     services.access.cookie.keep(request, response, body.token)
     return _session(services, holder)
 

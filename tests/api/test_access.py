@@ -200,6 +200,8 @@ def test_trying_tokens_is_slowed_down_but_holders_are_let_in(guarded, secrets):
     assert int(answers[-1].headers["retry-after"]) > 0
     signing_in = ask(guarded, "POST", "/session", json={"token": "another guess"})
     assert (signing_in.status_code, "retry-after" in signing_in.headers) == (429, True)
+    stop = ask(guarded, "POST", "/mission/stop", "a guess at STOP")
+    assert (stop.status_code, stop.json()["detail"]) == (401, "this token is unknown, has expired or was revoked")
     assert ask(guarded, "GET", "/mission", secrets[Role.VIEWER]).status_code == 200
 
 

@@ -188,6 +188,14 @@ def test_replay_of_an_unknown_run_says_so():
     assert "does not exist" in result.stderr
 
 
+@pytest.mark.parametrize("days", ["1e300", "inf", "nan", "-1", "0", "1e-300", "36526"])
+def test_a_token_that_holds_no_time_or_beyond_the_calendar_is_not_made(days, tmp_path, monkeypatch):
+    monkeypatch.setenv("BECALM_DATA_DIR", str(tmp_path))
+    result = _invoke("token", "create", "ana", "--role", "viewer", "--days", days)
+    assert (result.exit_code, "--days" in result.stderr, "36525" in result.stderr) == (2, True, True)
+    assert json.loads(_invoke("token", "list", "--json").stdout) == []
+
+
 def test_check_says_what_would_be_started_and_starts_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("BECALM_KEEP_GB", "20")
     arguments = ("serve", "--check", "--port", "0", "--set", "target.initial_spin=0.6")

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 import stat
+import threading
 from datetime import timedelta
 
 import pytest
@@ -44,6 +45,17 @@ class TestTokens:
         assert service.holder_of(secret) == Holder("ana", Role.VIEWER)
         tokens.revoke("ana")
         assert service.holder_of(secret) is None
+
+    def test_those_that_are_made_at_once_are_all_kept(self, tokens, tmp_path):
+        stores = [TokenStore(tmp_path / "access") for _ in range(8)]
+        makers = [
+            threading.Thread(target=store.create, args=(f"n{each}", Role.VIEWER)) for each, store in enumerate(stores)
+        ]
+        for maker in makers:
+            maker.start()
+        for maker in makers:
+            maker.join()
+        assert sorted(token.name for token in tokens.tokens()) == [f"n{each}" for each in range(8)]
 
     def test_one_that_has_expired_holds_no_longer(self, tokens):
         secret = tokens.create("ana", Role.ADMIN, timedelta(seconds=-1))
@@ -102,7 +114,7 @@ class TestTokens:
         path.unlink()
         assert (tokens.holder_of(secret).name, "gone" in tokens.damage) == ("ana", True)
         path.mkdir()
-        assert (tokens.holder_of(secret).name, "Is a directory" in tokens.damage) == ("ana", True)
+        assert (tokens.holder_of(secret).name, "no regular file" in tokens.damage) == ("ana", True)
         path.rmdir()
         path.with_name("elsewhere").write_text("x")
         path.symlink_to(path)
@@ -163,26 +175,34 @@ class TestAttempts:
     def test_after_ten_failures_an_address_waits_for_the_first_to_grow_old(self):
         now = [100.0]
         counted = Attempts(clock=lambda: now[0])
-        for _ in range(attempts.ALLOWED):
-            assert counted.failed("a") is None
+        for each in range(attempts.ALLOWED):
+            assert counted.failed("a", f"guess-{each}") is None
             now[0] += 1.0
-        assert counted.failed("a") == pytest.approx(attempts.WINDOW - attempts.ALLOWED)
-        assert counted.failed("b") is None
+        assert counted.failed("a", "another") == pytest.approx(attempts.WINDOW - attempts.ALLOWED)
+        assert counted.failed("b", "another") is None
         now[0] = 100.0 + attempts.WINDOW
-        assert counted.failed("a") is None
+        assert counted.failed("a", "another") is None
+
+    def test_the_same_token_again_is_no_further_try(self):
+        counted = Attempts(clock=lambda: 0.0)
+        assert {counted.failed("a", "revoked") for _ in range(500)} == {None}
+        for each in range(attempts.ALLOWED - 1):
+            assert counted.failed("a", f"guess-{each}") is None
+        assert counted.failed("a", "one more")
+        assert counted.failed("a", "revoked") is None
 
     def test_a_network_of_addresses_is_one_somebody(self):
         counted = Attempts(clock=lambda: 0.0)
         for each in range(attempts.ALLOWED):
-            assert counted.failed(f"fd00:0:0:1::{each:x}") is None
-        assert counted.failed("fd00:0:0:1:ffff::1")
-        assert counted.failed("fd00:0:0:2::1") is None
+            assert counted.failed(f"fd00:0:0:1::{each:x}", f"guess-{each}") is None
+        assert counted.failed("fd00:0:0:1:ffff::1", "another")
+        assert counted.failed("fd00:0:0:2::1", "another") is None
         assert attempts.network_of("::ffff:10.0.0.1") == attempts.network_of("10.0.0.1")
 
     def test_memory_is_bounded(self):
         counted = Attempts()
         for address in range(attempts.ADDRESSES + 50):
-            counted.failed(str(address))
+            counted.failed(str(address), "guess")
         assert len(counted._failures) == attempts.ADDRESSES
 
 
