@@ -6,13 +6,14 @@ import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path as FilePath
-from typing import Annotated, Any, TypeVar, cast, get_args
+from typing import Annotated, Any, cast, get_args
 
 import pydantic
 from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, TypeAdapter
 
+from server.api.etags import IfNoneMatch, etag, known_or_new, tagged
 from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
 from server.api.streamed import Streamed
@@ -41,8 +42,6 @@ from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
 from sim.errors import ConfigError, MissionRefused
 
-Tagged = TypeVar("Tagged", bound=BaseModel)
-
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 
 MissionTime = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -70,7 +69,6 @@ class RunRequest(BaseModel):
 
 OneRun = Annotated[RunRequest, pydantic.Tag("one")]
 ManyRuns = Annotated[Annotated[list[RunRequest], Field(min_length=1, max_length=64)], pydantic.Tag("many")]
-IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", description="The ETag that is known already")]
 
 
 _EVENTS = TypeAdapter(list[LoggedEvent])
@@ -220,7 +218,7 @@ async def runs(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """The library, newest first."""
-    return _known_or_new(await services.aside.answer(_page, services.store.root, wanted), if_none_match)
+    return known_or_new(await services.aside.answer(_page, services.store.root, wanted), if_none_match)
 
 
 def _page(root: FilePath, wanted: RunFilter) -> bytes:
@@ -247,7 +245,7 @@ def _query(wanted: RunFilter) -> RunQuery:
 @router.get("/{run_id}", responses=responses(404, 409))
 def run(services: ServicesDep, run_id: RunId, response: Response, if_none_match: IfNoneMatch = None) -> Run:
     """One run."""
-    return _tagged(run_of(services.store.read(run_id)), response, if_none_match)
+    return tagged(run_of(services.store.read(run_id)), response, if_none_match)
 
 
 @router.patch("/{run_id}", responses=responses(404, 409, 412))
@@ -261,10 +259,10 @@ def remark(
     """Star or name a run, or put these notes or tags in place of its own; with `If-Match`, only if unchanged since."""
     with services.store.remarks_lock:
         reader = services.store.read(run_id)
-        if if_match is not None and if_match != _etag(run_of(reader)):
+        if if_match is not None and if_match != etag(run_of(reader)):
             raise HTTPException(412, f"run {run_id} has changed since; read it again")
         services.store.remark(run_id, Remarks.model_validate(dict(reader.remarks) | body.model_dump(exclude_none=True)))
-    return _tagged(run_of(services.store.read(run_id)), response, None)
+    return tagged(run_of(services.store.read(run_id)), response, None)
 
 
 @router.post("/{run_id}/cancel", status_code=202, responses=responses(404, 409))
@@ -372,30 +370,6 @@ def _require_not_live(services: Services, run_id: str) -> None:
     latest = services.feed.latest
     if latest is not None and latest.snapshot.run_id == run_id:
         raise MissionRefused(f"run {run_id} is the live mission's", tip="reset the mission first")
-
-
-def _etag(body: BaseModel) -> str:
-    return _etag_of(body.model_dump_json().encode())
-
-
-def _etag_of(content: bytes) -> str:
-    return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
-
-
-def _known_or_new(content: bytes, known: str | None) -> Response:
-    """That JSON with its ETag; 304 if it is known."""
-    headers = {"ETag": _etag_of(content)}
-    if known is not None and headers["ETag"] in known:
-        return Response(status_code=304, headers=headers)
-    return Response(content, headers=headers, media_type="application/json")
-
-
-def _tagged(body: Tagged, response: Response, known: str | None) -> Tagged:
-    """The answer with its ETag; 304 if that is known."""
-    response.headers["ETag"] = _etag(body)
-    if known is not None and response.headers["ETag"] in known:
-        raise HTTPException(304, headers={"ETag": response.headers["ETag"]})
-    return body
 
 
 def _summary(reader: RunReader) -> RunSummary:

@@ -11,7 +11,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
+from starlette.convertors import StringConvertor, register_url_convertor
 
+from server.api.etags import IfNoneMatch, known_or_new, tagged
 from server.api.problem_json import responses
 from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
@@ -55,6 +57,15 @@ MEDIA_TYPES: dict[TableFormat, str] = {
     TableFormat.PARQUET: "application/vnd.apache.parquet",
     TableFormat.JSON: "application/json",
 }
+
+
+class _StudyConvertor(StringConvertor):
+    """No study is called as the address beside them all: `GET` of that is a wrong method (405), not a lost study."""
+
+    regex = "(?!estimate$)[^/]+"
+
+
+register_url_convertor("study", _StudyConvertor())
 
 
 class StudyRequest(BaseModel):
@@ -215,17 +226,20 @@ def estimate_study(services: ServicesDep, body: StudyRequest) -> StudyEstimate:
 @router.get("")
 def studies(
     services: ServicesDep,
+    response: Response,
     limit: Annotated[int, Query(ge=1, le=200, description="Studies on a page")] = 50,
     cursor: Annotated[ShortText | None, Query(description="`next_cursor` of the page before")] = None,
+    if_none_match: IfNoneMatch = None,
 ) -> StudyPage:
-    """The studies, newest first."""
+    """The studies, newest first; with an `ETag`, so that who asks again and again is sent only what has changed."""
     found = list(islice(services.studies.newest(before=cursor), limit + 1))
     shown = [_summary(services, record) for record in found[:limit]]
     strange = {} if cursor else services.studies.unreadable()
     unreadable = [Unreadable(id=name, reason=why) for name, why in strange.items()]
-    return StudyPage(
+    page = StudyPage(
         studies=shown, unreadable=unreadable, next_cursor=found[limit - 1].id if len(found) > limit else None
     )
+    return tagged(page, response, if_none_match)
 
 
 @router.get("/published/tables")
@@ -238,12 +252,12 @@ def published_tables() -> PublishedTables:
     )
 
 
-@router.get("/{study_id}", response_model=StudyDetail, responses=responses(404, 409, 503))
-async def study(services: ServicesDep, study_id: StudyId) -> Response:
-    """One study, and what came out until now."""
+@router.get("/{study_id:study}", response_model=StudyDetail, responses=responses(404, 409, 503))
+async def study(services: ServicesDep, study_id: StudyId, if_none_match: IfNoneMatch = None) -> Response:
+    """One study, and what came out until now; with an `ETag`."""
     summary = _summary(services, services.studies.record(study_id))
     content = await services.aside.answer(_detail_aside, services.studies.root, summary)
-    return Response(content, media_type="application/json")
+    return known_or_new(content, if_none_match)
 
 
 def _detail_aside(root: FilePath, summary: StudySummary) -> bytes:
@@ -251,7 +265,7 @@ def _detail_aside(root: FilePath, summary: StudySummary) -> bytes:
     return _detailed(studies, studies.record(summary.id), summary).model_dump_json().encode()
 
 
-@router.delete("/{study_id}", status_code=204, responses=responses(404, 409))
+@router.delete("/{study_id:study}", status_code=204, responses=responses(404, 409))
 def delete_study(services: ServicesDep, study_id: StudyId) -> Response:
     """Remove a study that has ended, with all its rows."""
     services.study_queue.delete(study_id)

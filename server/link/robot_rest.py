@@ -5,6 +5,9 @@ from __future__ import annotations
 from fastapi import FastAPI, HTTPException
 from pydantic import BaseModel, ConfigDict, Field
 
+from server.api import problem_json
+from server.api.bodies import JsonBodies
+from server.api.methods import HeadAsGet
 from server.api.origin import SameOrigin
 from server.link.faults import Faults
 from server.link.robot_emulator import RobotEmulator, RobotStatus
@@ -31,6 +34,9 @@ class Restart(BaseModel):
 def create_robot_app(emulator: RobotEmulator) -> FastAPI:
     """The REST of that emulator."""
     app = FastAPI(title="Becalm's emulated robot", description="Only the emulator has it. SI units and radians.")
+    problem_json.install(app)
+    app.add_middleware(HeadAsGet)
+    app.add_middleware(JsonBodies)
     app.add_middleware(SameOrigin, hosts=LOOPBACK_NAMES)  # a page elsewhere may move this robot as little as a real one
 
     @app.get("/status")

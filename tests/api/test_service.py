@@ -63,6 +63,8 @@ async def test_unknown_address_and_method(console):
     for answer, status in (
         (await console.http.get("/nonesuch"), 404),
         (await console.http.put("/mission"), 405),
+        (await console.http.get("/studies/estimate"), 405),
+        (await console.http.delete("/studies/estimate"), 405),
     ):
         assert answer.status_code == status
         assert answer.headers["content-type"] == "application/problem+json"

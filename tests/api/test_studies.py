@@ -223,6 +223,18 @@ async def test_what_is_not_there_is_said(console):
     assert answer.status_code == 422
 
 
+async def test_what_the_client_has_already_is_not_sent_again(console):
+    study = await started(console, GRID)
+    await console.http.post(f"/studies/{study['id']}/cancel")
+    await until(console, study["id"], "cancelled", "finished")
+    for path in ("/studies", f"/studies/{study['id']}"):
+        first = await console.http.get(path)
+        again = await console.http.get(path, headers={"if-none-match": first.headers["etag"]})
+        assert (first.status_code, again.status_code, again.content) == (200, 304, b"")
+        other = await console.http.get(path, headers={"if-none-match": '"another"'})
+        assert other.content == first.content
+
+
 async def test_the_papers_tables_are_at_hand(console):
     tables = (await console.http.get("/studies/published/tables")).json()
     assert len(tables["cells"]) == 242

@@ -43,3 +43,18 @@ async def test_only_its_own_address_and_no_other_page_is_served(headers, status)
         answer = await client.put("/faults", json={"delay": 0.5}, headers=headers)
     assert answer.status_code == status
     assert (emulator.suffered is not None) == (status == 200)
+
+
+@pytest.mark.parametrize("path", ["/faults", "/hang", "/restart"])
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [(b"NaN", 422), (b'{"loss":NaN}', 422), (b'{"seed":1e400}', 422), (b'{"a":"\\ud800"}', 422), (b"[" * 2000, 422)],
+)
+async def test_a_body_that_no_text_or_number_can_hold_is_refused_in_words(path, body, status):
+    emulator = Emulator()
+    transport = httpx.ASGITransport(create_robot_app(emulator))
+    headers = {"content-type": "application/json"}
+    async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:
+        answer = await client.request("PUT" if path == "/faults" else "POST", path, content=body, headers=headers)
+    assert (answer.status_code, answer.headers["content-type"]) == (status, "application/problem+json")
+    assert emulator.suffered is None
