@@ -51,7 +51,7 @@ def small(tmp_path):
 def in_this_process(monkeypatch):
     """No workers: what the command does around them."""
 
-    def fly(tasks, keep, open_executor, *, at_once):
+    def fly(tasks, keep, open_executor, *, at_once, gives_up):
         for task in tasks:
             keep(flight.fly_cell(task))
 
