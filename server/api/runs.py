@@ -233,7 +233,7 @@ def _page(root: FilePath, wanted: RunFilter) -> bytes:
         unreadable=[Unreadable(id=name, reason=why) for name, why in strange.items()],
         next_cursor=found.following,
     )
-    return page.model_dump_json().encode()
+    return page.model_dump_json(by_alias=True).encode()
 
 
 def _query(wanted: RunFilter) -> RunQuery:
@@ -331,7 +331,7 @@ async def ticks(
 def _ticks(root: FilePath, run_id: str, points: int, span: Span) -> bytes:
     reader = RunStore(root).read(run_id)
     _require_log(reader, span)
-    return decimated(reader, points, span).model_dump_json().encode()
+    return decimated(reader, points, span).model_dump_json(by_alias=True).encode()
 
 
 @router.get("/{run_id}/events", response_model=list[LoggedEvent], responses=responses(404, 409, 503))

@@ -262,7 +262,7 @@ async def study(services: ServicesDep, study_id: StudyId, if_none_match: IfNoneM
 
 def _detail_aside(root: FilePath, summary: StudySummary) -> bytes:
     studies = StudyStore(root)
-    return _detailed(studies, studies.record(summary.id), summary).model_dump_json().encode()
+    return _detailed(studies, studies.record(summary.id), summary).model_dump_json(by_alias=True).encode()
 
 
 @router.delete("/{study_id:study}", status_code=204, responses=responses(404, 409))
@@ -301,7 +301,7 @@ def _rows(root: FilePath, study_id: str, after: int, limit: int) -> bytes:
     studies = StudyStore(root)
     kept = studies.rows(studies.record(study_id)).rows_after(after, limit)
     page = StudyRowPage(rows=[each.row for each in kept], last=kept[-1].sequence if kept else after)
-    return page.model_dump_json().encode()
+    return page.model_dump_json(by_alias=True).encode()
 
 
 @router.get(

@@ -49,8 +49,8 @@ DAMAGES = {
     "of another type": (lambda path: path.write_bytes(b"[1]"), "damaged or of another version"),
     "unknown field": (lambda path: path.write_bytes(json.dumps({"a\n" + "b" * 900: 1}).encode()), r"a\\nbbb"),
     "too large": (lambda path: os.truncate(os.open(path, os.O_CREAT | os.O_RDWR), 20_000_000), "more than"),
-    "a folder": (lambda path: path.mkdir(), "no regular file"),
-    "a pipe": (os.mkfifo, "no regular file"),
+    "a folder": (lambda path: path.mkdir(), "not a regular file"),
+    "a pipe": (os.mkfifo, "not a regular file"),
     "a dangling link": (lambda path: path.symlink_to("nowhere"), "leads nowhere"),
     "a looping link": (lambda path: path.symlink_to(path.name), "symbolic links"),
 }
