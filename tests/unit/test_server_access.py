@@ -114,7 +114,7 @@ class TestTokens:
         path.unlink()
         assert (tokens.holder_of(secret).name, "gone" in tokens.damage) == ("ana", True)
         path.mkdir()
-        assert (tokens.holder_of(secret).name, "no regular file" in tokens.damage) == ("ana", True)
+        assert (tokens.holder_of(secret).name, "not a regular file" in tokens.damage) == ("ana", True)
         path.rmdir()
         path.with_name("elsewhere").write_text("x")
         path.symlink_to(path)
