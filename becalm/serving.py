@@ -161,5 +161,7 @@ class _Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         end_surely(LONGEST_END)
-        self._end_soon()
-        await super().shutdown(sockets)
+        try:
+            self._end_soon()
+        finally:  # the mission and its run are closed behind it
+            await super().shutdown(sockets)

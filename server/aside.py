@@ -192,6 +192,8 @@ class Stream:
         self._work = work
         self._pipe: Connection | None = None
         self._process: BaseProcess | None = None
+        """Once it has been started."""
+        self._killed = False
 
     async def begin(self) -> None:
         """Wait for the first piece, or for why there is none.
@@ -226,16 +228,21 @@ class Stream:
         self._aside.ended(self)
 
     def kill(self) -> None:
-        """End the process, whatever it does; from any thread."""
+        """End the process, whatever it does, also one that is just being started; from any thread."""
+        self._killed = True  # before looking, as `_started` looks after it has shown the process
         if self._process is not None:
             self._process.terminate()
             threading.Thread(target=self._forget, daemon=True).start()
 
     def _started(self) -> CaptureError | None:
         self._pipe, sink = CONTEXT.Pipe(duplex=False)
-        self._process = CONTEXT.Process(target=_send_pieces, args=(self._work, sink), daemon=True)
-        self._process.start()
+        process = CONTEXT.Process(target=_send_pieces, args=(self._work, sink), daemon=True)
+        process.start()
         sink.close()
+        self._process = process
+        if self._killed:
+            self.kill()
+            return ServiceBusy("what reads was ended before it had begun", tip="try again")
         try:
             refusal: CaptureError | None = pickle.loads(self._pipe.recv_bytes())
         except (EOFError, OSError):

@@ -133,6 +133,17 @@ class TestStreams:
         assert int(made.read_text()) < 10
         assert process.exitcode != 0
 
+    async def test_one_that_is_just_being_started_is_ended_too(self, beside, monkeypatch, tmp_path):
+        start = aside.CONTEXT.Process.start
+
+        def started_while_the_service_ends(process):
+            beside.end_soon()
+            start(process)
+
+        monkeypatch.setattr(aside.CONTEXT.Process, "start", started_while_the_service_ends)
+        with pytest.raises(ServiceBusy):
+            await beside.stream(told_pieces, tmp_path / "told")
+
     async def test_a_place_is_free_again_once_closed(self, beside, tmp_path):
         open_ones = [await beside.stream(told_pieces, tmp_path / str(each)) for each in range(aside.STREAMS_AT_ONCE)]
         following = asyncio.create_task(beside.stream(counted, 1))
