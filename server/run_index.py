@@ -22,6 +22,7 @@ from server.problems import StoredUnreadable
 from server.run_changes import changes_of
 from server.run_folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus, instant
 from server.runs import RUN_ID, RunStore
+from server.texts import one_line
 from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound
 
@@ -216,12 +217,12 @@ class RunIndex:
             rows.execute(_TABLE)
             rows.execute(f"PRAGMA user_version = {SCHEMA}")
         known = {name: (stamp, settled) for name, stamp, settled in rows.execute("SELECT id, stamp, settled FROM runs")}
-        present = dict(self._present())
+        present = {one_line(name): (name, stamp) for name, stamp in self._present()}
         for name in known.keys() - present.keys():
             rows.execute("DELETE FROM runs WHERE id = ?", [name])
         marks = ", ".join("?" * len(_COLUMNS))
-        for name, stamp in present.items():
-            if known.get(name) == (stamp, 1):
+        for shown, (name, stamp) in present.items():
+            if known.get(shown) == (stamp, 1):
                 continue
             entry = self._entry(name, stamp)
             if entry is not None:
@@ -244,7 +245,7 @@ class RunIndex:
 
     def _entry(self, name: str, stamp: str) -> dict[str, Any] | None:
         """The row of a run; None if it has just gone. What has not ended is looked at again every time."""
-        row = {"id": name, "stamp": stamp}
+        row = {"id": one_line(name), "stamp": stamp}  # a name may be bytes that are no text
         try:
             reader = self._store.read(name)
             facts = _facts(reader.record, reader.remarks)

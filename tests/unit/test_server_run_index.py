@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sqlite3
+import sys
 from datetime import datetime, timedelta, timezone
 
 import pytest
@@ -226,3 +228,17 @@ def test_a_library_that_is_gone_is_no_empty_one(store, index):
     with pytest.raises(FileNotFoundError):
         found(index)
     assert not store.root.exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a name is text")
+def test_a_folder_whose_name_is_no_text_is_listed_and_costs_no_other(store, index):
+    run = kept(store)
+    folder = os.fsencode(store.root) + b"/\xff\x1b[31m"
+    os.mkdir(folder)
+    os.utime(folder, (1e9, 1e9))
+    for _ in range(2):
+        assert found(index) == [run]
+        assert {"name is no identifier" in why for why in index.unreadable().values()} == {True}
+        assert list(index.unreadable()) == ["\\udcff\\x1b[31m"]
+    os.rmdir(folder)
+    assert index.unreadable() == {}
