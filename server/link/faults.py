@@ -8,9 +8,9 @@ import random
 import threading
 import time
 from collections.abc import Callable
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from server.link.contract import PREFIX, Channel
 
@@ -35,14 +35,24 @@ MOST_WAITING = 10_000
 """Delayed messages that are kept; what comes beyond them is lost."""
 
 
+def _no_flag(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("it is a number, not true or false")
+    return value
+
+
+Amount = Annotated[float, BeforeValidator(_no_flag)]
+"""A number, also as the command line gives it: as a text."""
+
+
 class Faults(BaseModel):
     """In force until changed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    delay: float = Field(0.0, ge=0, le=10, allow_inf_nan=False, description="Of everything the robot sends [s]")
-    jitter: float = Field(0.0, ge=0, le=10, allow_inf_nan=False, description="Uniform from 0 to this, beside it [s]")
-    loss: float = Field(0.0, ge=0, le=1, allow_inf_nan=False, description="Part of what the robot sends that is lost")
+    delay: Amount = Field(0.0, ge=0, le=10, allow_inf_nan=False, description="Of everything the robot sends [s]")
+    jitter: Amount = Field(0.0, ge=0, le=10, allow_inf_nan=False, description="Uniform from 0 to this, beside it [s]")
+    loss: Amount = Field(0.0, ge=0, le=1, allow_inf_nan=False, description="Part of what the robot sends that is lost")
     sensor_freeze: Sensor | None = Field(None, description="A sensor that repeats its last reading with new stamps")
     joint_stuck: Joint | None = Field(None, description="A joint that does not move")
     mute: Message | None = Field(None, description="A message that is sent no more, by its key without the prefix")

@@ -9,6 +9,7 @@ from server.api import problem_json
 from server.api.bodies import JsonBodies
 from server.api.methods import HeadAsGet
 from server.api.origin import SameOrigin
+from server.api.values import Integer, Number
 from server.link.faults import Faults
 from server.link.robot_emulator import RobotEmulator, RobotStatus
 from server.settings import LOOPBACK_NAMES
@@ -19,7 +20,7 @@ class Hang(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    duration: float = Field(gt=0, le=3600, allow_inf_nan=False, description="How long [s]")
+    duration: Number = Field(gt=0, le=3600, description="How long [s]")
 
 
 class Restart(BaseModel):
@@ -27,8 +28,10 @@ class Restart(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    pause: float = Field(0.5, ge=0, le=3600, allow_inf_nan=False, description="How long it is away [s]")
-    seed: int | None = Field(None, ge=0, description="Of the random numbers from then on; the present one if left out")
+    pause: Number = Field(0.5, ge=0, le=3600, description="How long it is away [s]")
+    seed: Integer | None = Field(
+        None, ge=0, description="Of the random numbers from then on; the present one if left out"
+    )
 
 
 def create_robot_app(emulator: RobotEmulator) -> FastAPI:

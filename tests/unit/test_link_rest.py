@@ -48,9 +48,16 @@ async def test_only_its_own_address_and_no_other_page_is_served(headers, status)
 @pytest.mark.parametrize("path", ["/faults", "/hang", "/restart"])
 @pytest.mark.parametrize(
     ("body", "status"),
-    [(b"NaN", 422), (b'{"loss":NaN}', 422), (b'{"seed":1e400}', 422), (b'{"a":"\\ud800"}', 422), (b"[" * 2000, 422)],
+    [
+        (b'{"loss":true,"duration":true,"pause":true}', 422),
+        (b"NaN", 422),
+        (b'{"loss":NaN}', 422),
+        (b'{"seed":1e400}', 422),
+        (b'{"a":"\\ud800"}', 422),
+        (b"[" * 2000, 422),
+    ],
 )
-async def test_a_body_that_no_text_or_number_can_hold_is_refused_in_words(path, body, status):
+async def test_a_body_that_does_not_mean_one_thing_is_refused_in_words(path, body, status):
     emulator = Emulator()
     transport = httpx.ASGITransport(create_robot_app(emulator))
     headers = {"content-type": "application/json"}
