@@ -62,12 +62,12 @@ LINK_CAUSES = (
     ),
     _cause("frozen", "A sensor repeats itself", f"restart that sensor ({_LOOK}), then reset; {_STOPPED}"),
     _cause(
-        "^joint states late: none|the robot is silent",
+        r"^no joint states for|the robot is silent",
         "The robot is silent",
         f"see that it runs and that its network is well, then reset; {_STOPPED}",
     ),
     _cause(
-        " late: |none has come yet",
+        r" late: |^no .* for \d+ ms|none has come yet",
         "A stream from the robot is late",
         f"see what sends it, and how busy network and machines are ({_LOOK}), then reset; {_STOPPED}",
     ),

@@ -16,7 +16,7 @@ from server.link.zenoh_plant import ZenohPlant
 from server.live_run import LiveRun
 from server.problems import ProblemBoard, problem_of
 from server.recorder import Recorder
-from server.run_changes import EDITED
+from server.run_changes import EDITED, changed_words
 from server.run_folder import LoggedEvent, RunStatus, TickArray, wall_clock
 from sim.capture.events import Event
 from sim.capture.mission import Mission
@@ -199,9 +199,8 @@ class LiveMission:
         self._mission.configure(config)
         self._name = display_name(self.configuration, config)
         self._take_events()
-        message = "; ".join(f"{path}: {old} to {new}" for path, (old, new) in changes.items())
-        if message:
-            self._note_changes(message, {path: new for path, (_, new) in changes.items()})
+        if changes:
+            self._note_changes(changed_words(changes), {path: new for path, (_, new) in changes.items()})
 
     def advance(self, ticks: int) -> int:
         """Fly up to this many ticks; how many were flown. A failure of the plant is noted, not raised."""
@@ -266,9 +265,9 @@ class LiveMission:
             )
         )
 
-    def close(self) -> None:
-        """End the mission and its run."""
-        self.run.close()
+    def close(self, why: str) -> None:
+        """End the mission and its run, which keeps why if it had no verdict yet."""
+        self.run.close(why)
 
     def _take_events(self) -> None:
         for event in self._mission.take_events():

@@ -19,6 +19,9 @@ from sim.config import MissionConfig
 REST_AFTER = 5.0
 """Mission time without motion, beyond the hold before a verdict, after which recording rests [s]."""
 
+STOPPED_NOTE = "ended by STOP"
+"""Of a run that rests without a verdict because it was stopped."""
+
 
 class LiveRun:
     """The run of one live mission. Used by the mission thread only."""
@@ -50,7 +53,7 @@ class LiveRun:
         if not self._has_moved:
             self._recorder.revise(configuration=configuration, config=config)
         if not self._recording:
-            self._recorder.revise(status="running")
+            self._recorder.revise(status="running", note=None)
         self._recording = self._has_moved = True
         self._quiet_since = None
 
@@ -79,18 +82,18 @@ class LiveRun:
         if self._quiet_since is None:
             self._quiet_since = time
         if self._recording and time - self._quiet_since > hold_time + REST_AFTER:
-            self._end(status)
+            self._end(status, note=STOPPED_NOTE if status == "cancelled" else None)
 
     def note_motion(self) -> None:
         """Something moves."""
         self._quiet_since = None
 
-    def close(self) -> None:
-        """The mission ends, whatever it was doing."""
+    def close(self, why: str) -> None:
+        """The mission ends, whatever it was doing; a run without a verdict keeps why."""
         if not self._has_moved:
             self._recorder.discard(self.id)
         elif self._recording:
-            self._recorder.close(status="cancelled")
+            self._recorder.close(status="cancelled", note=why)
         else:
             self._recorder.close()
 

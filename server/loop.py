@@ -29,10 +29,11 @@ from server.problems import ConfigOutdated, Problem, ServiceBusy
 from server.published import MissionSnapshot, PlantStatus
 from server.realtime import punctual
 from server.recorder import BACKLOG_LIMIT, Recorder
+from server.run_changes import changed_words
 from server.run_folder import wall_clock
 from sim.capture.mission import prepare
 from sim.capture.snapshot import Readiness
-from sim.config import MissionConfig
+from sim.config import MissionConfig, differences
 from sim.configurations import named_configuration
 from sim.control.phases import Command, Phase, next_phase
 from sim.errors import CaptureError, LinkLost, MissionRefused
@@ -240,7 +241,7 @@ class MissionLoop:
             self._leave_at_rest()
         except Exception as error:
             self._flying.fail(error)
-        self._flying.close()
+        self._flying.close("cut off: the service ended")
 
     def _leave_at_rest(self) -> None:
         """The last that the robot hears of the service is to stand still."""
@@ -272,16 +273,17 @@ class MissionLoop:
             self._fly(1, now)
         self._publish(now)
 
-    def _replace(self, request: Request, configuration: str, config: MissionConfig, reason: str) -> str:
-        """End the present mission and begin another, unless that one cannot be."""
+    def _replace(self, request: Request, configuration: str, config: MissionConfig, reason: str, changes: str) -> str:
+        """End the present mission and begin another, unless that one cannot be; the answer tells the changes."""
         following = self._new_mission(configuration, config)
-        return self._succeed(request, following, reason, f"{reason}: a new mission with {following.name}")
+        told = f"; {changes}" if changes else ""
+        return self._succeed(request, following, reason, f"{reason}: a new mission with {following.name}{told}")
 
     def _succeed(self, request: Request, following: LiveMission, reason: str, message: str) -> str:
         """End the present mission and begin the following one."""
         self._finish_step(reason)
         self._flying.log_request(request, accepted=True, message=message)
-        self._flying.close()
+        self._flying.close(f"ended by {reason}")
         self._begin(following)
         return message
 
@@ -488,7 +490,8 @@ class MissionLoop:
         if request.revision is not None:
             config = self._checked(request.revision, config)
         self._require_armed(request)
-        return self._replace(request, configuration, config, "reset")
+        changes = changed_words(differences(named_configuration(configuration), config))
+        return self._replace(request, configuration, config, "reset", changes)
 
     def _fork(self, request: Request) -> str:
         """Go on from a moment of the past, with the clock paused."""
@@ -497,7 +500,7 @@ class MissionLoop:
         following = self._new_mission(fork.parent.configuration, fork.mission.config, fork)
         self._pace.pause()
         message = f"forked from {fork.parent.run_id} at {following.time:.3f} s; the clock is paused"
-        return self._succeed(request, following, "fork", message)
+        return self._succeed(request, following, "a fork", message)
 
     def _configure(self, request: Request) -> str:
         """Take a configuration that was checked by who asks, unless what it was made from has changed since.
@@ -509,13 +512,14 @@ class MissionLoop:
         """
         assert request.revision is not None, "whoever asks has made it"
         config = self._checked(request.revision, self._flying.config)
+        changes = changed_words(differences(self._flying.config, config))
         if self._flying.can_take(config):
             self._flying.configure(config)
             self._show_view()
-            return "parameters changed"
+            return f"parameters changed: {changes}" if changes else "no parameter differs"
         self._flying.require_replaceable(config)
         self._require_armed(request)
-        return self._replace(request, self._flying.configuration, config, "parameters changed")
+        return self._replace(request, self._flying.configuration, config, "parameters changed", changes)
 
     @staticmethod
     def _checked(revision: Revision, base: MissionConfig) -> MissionConfig:

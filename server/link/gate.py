@@ -140,7 +140,7 @@ class Gate:
             return
         for what, since in (("heartbeat", self._heard), ("commands", self._commanded)):
             if now - since > self._deadline:
-                self._hold(f"{what} late: none for {1e-6 * (now - since):.0f} ms")
+                self._hold(f"no {what} for {1e-6 * (now - since):.0f} ms")
                 return
 
     @property

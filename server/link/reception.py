@@ -313,7 +313,7 @@ class Reception:
             return f"{name_of(channel)} refused: {refusals.reason}"
         if age is None:
             return f"{name_of(channel)}: none has come yet"
-        return f"{name_of(channel)} late: none for {1e3 * age:.0f} ms"
+        return f"no {name_of(channel)} for {1e3 * age:.0f} ms"
 
     def _silent(self, now: float) -> str | None:
         """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""

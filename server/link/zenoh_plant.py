@@ -145,7 +145,7 @@ class ZenohPlant:
         link, deadline = self._link, self._link.settings.deadline
         if joints is None:
             age = link.age() or 0.0
-            return link.trouble() or f"joint states late: none for {1e3 * age:.0f} ms"
+            return link.trouble() or f"no joint states for {1e3 * age:.0f} ms"
         stale = link.staleness(joints.stamp)
         if stale > deadline:
             return f"joint states late: what arrives is {1e3 * stale:.0f} ms old"

@@ -133,6 +133,7 @@ async def test_reset_in_the_middle_keeps_the_run_as_cancelled(console):
     await console.granted("reset")
     run = await console.until_run(run_id, "cancelled")
     assert run["outcome"] is None
+    assert run["note"] == "ended by reset"
 
 
 async def test_scripted_run_equals_the_command_line_and_the_library(console):

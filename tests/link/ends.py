@@ -40,7 +40,7 @@ STOOD_STILL = 0.05
 """A machine that makes a thread wait for so long [s] does not fly a robot in real time."""
 PROBED = 2.0
 """For how long that is looked at beforehand [s]."""
-STALLED = r"late: none for|late: what arrives is|refused: measured|jumped by [-+]?\d+ ms|the robot is holding"
+STALLED = r"no [a-z ]+ for \d+ ms|late: what arrives is|refused: measured|jumped by [-+]?\d+ ms|the robot is holding"
 """What either end says of a machine that stood still for longer than the deadline."""
 CONFIG = named_configuration("testbed")
 POLL = 0.01

@@ -46,7 +46,7 @@ function useFreshness(): Freshness {
   if (trust === "stale") return { word: WORDS.stale, detail: `${fixed(age / 1000, 1)} s old` };
   if (trust !== "live") return { word: WORDS[trust], detail: "" };
   if (robotAge > 0) return { word: "Service live", detail: `${silent ? "robot silent" : `${stream} silent`} for ${fixed(robotAge / 1000, 1)} s` };
-  return { word: WORDS.live, detail: unrecorded ? "not recorded" : `tick ≤ ${fixed(lateness * 1000, 1)} ms late` };
+  return { word: WORDS.live, detail: unrecorded ? "not recorded" : `ticks up to ${fixed(lateness * 1000, 1)} ms late` };
 }
 
 export function LinkState() {

@@ -4,15 +4,14 @@ import type { ReactNode } from "react";
 import { meaningOf } from "./glossary";
 import styles from "./Term.module.css";
 
-/** `term` is looked up in the glossary; one that is not there is plain text. */
+/** `term` is looked up in the glossary; one that is not there is plain text. The tip describes it to a screen reader, too. */
 export function Term({ term, children }: { readonly term: string; readonly children: ReactNode }) {
   const meaning = meaningOf(term);
   if (meaning === null) return <>{children}</>;
   return (
-    <Tooltip label={meaning} multiline w={280} events={{ hover: true, focus: true, touch: true }}>
+    <Tooltip label={meaning} w={280}>
       <span className={styles.term} tabIndex={0}>
         {children}
-        <span className="visually-hidden">{`: ${meaning}`}</span>
       </span>
     </Tooltip>
   );

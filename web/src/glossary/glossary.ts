@@ -17,6 +17,7 @@ const TERMS: Readonly<Record<string, string>> = {
   closed_at: "When the four tips first enclosed the target while it was slow.",
   locked_at: "When the joints stopped and the arms became one body with the base.",
   touches: "How often a hand touched the target; contacts of one arm closer than judging.touch_gap count once.",
+  direct_caging: "Both hands enclose the target without detumbling it first: what the paper compares its method with.",
   unplanned: "A touch that no plan meant: the hand was still on its way, or something other than a tip touched.",
   final_target_spin: "The target's angular velocity at the verdict.",
   min_manipulability: "The least manipulability of both arms: near zero, an arm is stretched or folded and cannot move its hand in some direction.",

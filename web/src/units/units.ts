@@ -42,6 +42,16 @@ export function fixed(value: number, decimals: number): string {
   return Number(digits) === 0 ? digits.slice(1) : MINUS + digits.slice(1);
 }
 
+const MOST_DECIMALS = 6;
+
+/** As many decimals as tell neighbouring ticks of an axis apart, and say each as it is. */
+export function decimalsOf(ticks: readonly number[]): number {
+  const step = Math.abs((ticks[1] ?? 1) - (ticks[0] ?? 0));
+  let decimals = 0;
+  while (decimals < MOST_DECIMALS && Math.abs(step - Number(step.toFixed(decimals))) > 1e-9) decimals += 1;
+  return decimals;
+}
+
 /** A number as short as it can be without losing what a person typed. */
 export function plain(value: number): string {
   const rounded = Number(value.toPrecision(7));

@@ -1,5 +1,6 @@
 /** A command as a button that shows waiting, and says why it cannot be pressed. */
 import { Button, Tooltip, type ButtonProps } from "@mantine/core";
+import { useState, type SyntheticEvent } from "react";
 import type { CommandRequest } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
 import type { MissionView } from "../../store/mission";
@@ -35,6 +36,24 @@ export function cautionOf(withRobot: string, byService: boolean, warning: string
   return { words: sentences.filter((each) => each !== null).join(" "), byService };
 }
 
+/** Pixels between the panel and a tip. */
+const TIP_GAP = 6;
+/** The least room beside the panel for a tip. */
+const TIP_ROOM = 240;
+
+interface TipPlace {
+  readonly position: "right" | "bottom";
+  readonly offset: number;
+}
+
+/** Beside the panel of commands, or where there is no room below it: a tip never lies over a neighbouring command. */
+function tipPlaceOf(button: HTMLElement): TipPlace {
+  const panel = (button.closest("section") ?? button).getBoundingClientRect();
+  const { right, bottom } = button.getBoundingClientRect();
+  if (window.innerWidth - panel.right >= TIP_ROOM) return { position: "right", offset: panel.right - right + TIP_GAP };
+  return { position: "bottom", offset: panel.bottom - bottom + TIP_GAP };
+}
+
 export function CommandButton({ words, sign, request = {}, against = null, warning = null, ...button }: CommandButtonProps) {
   const desk = useDesk();
   const byWho = useReasonAgainstCommanding();
@@ -44,12 +63,16 @@ export function CommandButton({ words, sign, request = {}, against = null, warni
   const byService = useSnapshot((snapshot) => snapshot.arming_needed.includes(words.command)) ?? false;
   const asked: CommandRequest = { command: words.command, ...request };
   const armed = useDeskView((view) => (view.armed !== null && isSame(view.armed.request, asked) ? view.armed : null));
+  const [tip, setTip] = useState<TipPlace>({ position: "right", offset: TIP_GAP });
+  const placeTip = (event: SyntheticEvent<HTMLElement>): void => {
+    setTip(tipPlaceOf(event.currentTarget));
+  };
   const press = (): void => {
     if (reason !== null) desk.explain(words.command, reason);
     else void desk.press(asked, cautionOf(words.withRobot ?? "The robot will move.", byService, warning));
   };
   return (
-    <Tooltip label={reason ?? words.does} position="right" disabled={armed !== null}>
+    <Tooltip label={reason ?? words.does} {...tip} w={220} disabled={armed !== null}>
       <Button
         {...button}
         {...(armed && ARMED_LOOK)}
@@ -61,6 +84,8 @@ export function CommandButton({ words, sign, request = {}, against = null, warni
         aria-label={armed === null ? words.label : `Go: ${words.label}`}
         loading={waiting}
         onClick={press}
+        onPointerEnter={placeTip}
+        onFocus={placeTip}
         onBlur={() => {
           if (armed) desk.disarm();
         }}

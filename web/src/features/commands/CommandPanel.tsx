@@ -1,6 +1,7 @@
-/** What may be done now. */
-import { useEffect, useState } from "react";
+/** The panel of commands. */
+import { useEffect, useId, useState } from "react";
 import { Panel } from "../../app/Panel";
+import { useKept } from "../../app/preferences";
 import { readNamedConfigurations } from "../../api/service";
 import type { NamedConfiguration } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
@@ -44,20 +45,40 @@ function ResetRow() {
   );
 }
 
+/** What may be done now; folded away, it leaves its room to the parameters. STOP is not among it. */
 export function CommandPanel() {
   const real = useSnapshot((snapshot) => snapshot.plant.kind === "zenoh") ?? false;
+  const [fold, setFold] = useKept("becalm-commands", "open", ["open", "folded"]);
+  const folded = fold === "folded";
+  const body = useId();
+  const toggle = (
+    <button
+      type="button"
+      className={styles.fold}
+      aria-expanded={!folded}
+      aria-controls={body}
+      onClick={() => {
+        setFold(folded ? "open" : "folded");
+      }}
+    >
+      {folded ? "Show" : "Hide"}
+      <span className="visually-hidden"> commands</span>
+    </button>
+  );
   return (
-    <Panel title="Commands">
-      <div className={styles.commands}>
-        <CommandButton words={CAPTURE} variant="filled" size="md" className={styles.capture ?? ""} />
-        <div className={styles.sequence}>
-          {SEQUENCE.map((words) => (
-            <CommandButton key={words.command} words={words} />
-          ))}
+    <Panel title="Commands" aside={toggle}>
+      <div id={body} hidden={folded}>
+        <div className={styles.commands}>
+          <CommandButton words={CAPTURE} variant="filled" size="md" className={styles.capture ?? ""} />
+          <div className={styles.sequence}>
+            {SEQUENCE.map((words) => (
+              <CommandButton key={words.command} words={words} />
+            ))}
+          </div>
+          <ResetRow />
         </div>
-        <ResetRow />
+        {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses: the first arms the command for a few seconds.</p> : <SimulationControls />}
       </div>
-      {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses: the first arms the command for a few seconds.</p> : <SimulationControls />}
       <AnswerLine />
     </Panel>
   );

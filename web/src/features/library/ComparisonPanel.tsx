@@ -3,9 +3,10 @@ import { SegmentedControl } from "@mantine/core";
 import { Panel } from "../../app/Panel";
 import { hashOf } from "../../app/route";
 import type { Run } from "../../api/types";
+import { useConfiguration } from "../../store/configuration";
 import type { Alignment } from "../plots/compared";
 import styles from "./ComparisonPanel.module.css";
-import { choices, figures, type Line } from "./comparison";
+import { choices, figures, named, type Line } from "./comparison";
 
 interface ComparisonPanelProps {
   /** The address of this run alone. */
@@ -24,9 +25,9 @@ function Lines({ lines, label }: { readonly lines: readonly Line[]; readonly lab
           {label}
         </th>
       </tr>
-      {lines.map(({ name, one, other }) => (
-        <tr key={name} data-same={one === other || undefined}>
-          <th scope="row">{name}</th>
+      {lines.map(({ name, path, one, other }) => (
+        <tr key={path ?? name} data-same={one === other || undefined}>
+          <th scope="row" title={path}>{name}</th>
           <td>{one}</td>
           <td>{other}</td>
         </tr>
@@ -36,7 +37,8 @@ function Lines({ lines, label }: { readonly lines: readonly Line[]; readonly lab
 }
 
 export function ComparisonPanel({ end, one, other, align, onAlign }: ComparisonPanelProps) {
-  const chosen = choices(one, other);
+  const { parameters } = useConfiguration();
+  const chosen = named(choices(one, other), parameters);
   return (
     <Panel title="Two runs" aside={<a className={styles.end} href={end}>End comparison</a>}>
       <table className={styles.table}>

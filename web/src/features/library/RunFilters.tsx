@@ -6,6 +6,7 @@ import { lookOf } from "../../theme/looks";
 import { Choice } from "../../ui/Choice";
 import { ask, isFiltered, KINDS, NO_WISH, STATUSES, VERDICTS, type LibraryQuery } from "./query";
 import styles from "./LibraryPage.module.css";
+import { STATUS_CHOICES } from "./words";
 
 /** Milliseconds after the last key of a search. */
 const TYPING_PAUSE = 250;
@@ -16,7 +17,7 @@ interface FilterProps {
   readonly other: string;
 }
 
-const choices = (all: string, values: readonly string[], words: (value: string) => string) => [
+const choices = <Value extends string>(all: string, values: readonly Value[], words: (value: Value) => string) => [
   { value: "", label: all },
   ...values.map((value) => ({ value, label: words(value) })),
 ];
@@ -61,7 +62,7 @@ export function RunFilters({ query, item, other }: FilterProps) {
     <div className={styles.filters} role="search">
       <Search query={query} item={item} other={other} />
       {choice("kind", "Kind", choices("Every kind", KINDS, spelled))}
-      {choice("status", "Status", choices("Every status", STATUSES, spelled))}
+      {choice("status", "Status", choices("Every status", STATUSES, (value) => STATUS_CHOICES[value]))}
       {choice("outcome", "Verdict", choices("Every verdict", VERDICTS, verdict))}
       {choice("at_first_closure", "Paper's verdict", choices("Paper's verdict: every", VERDICTS, (value) => `Paper's: ${verdict(value)}`))}
       <Switch size="xs" label="Starred only" checked={query.starred} onChange={(event) => { wish({ starred: event.currentTarget.checked }); }} />

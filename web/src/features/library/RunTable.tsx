@@ -1,6 +1,8 @@
 /** Runs as a table: what each was flown with, and what came of it. */
+import { Tooltip } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { RunSummary } from "../../api/types";
+import { meaningOf } from "../../glossary/glossary";
 import { lookOf } from "../../theme/looks";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
 import { ask, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
@@ -67,11 +69,11 @@ const COLUMNS: readonly Column[] = [
   { key: "changes", label: "Changed", title: "Parameters that are not as the named configuration has them", cell: (run) => <Changes run={run} /> },
   { key: "seed", label: "Seed", title: "simulation.seed", number: true, cell: ({ seed }) => seed },
   { key: "initial_spin", label: "Spin, rad/s", title: "Of the target at the start, as configured", number: true, cell: (run) => figure(run.initial_spin, 2) },
-  { key: "peak_tip_force", label: "Peak, N", title: "Largest force on a hand, to locked arms", number: true, cell: ({ outcome }) => figure(outcome?.peak_tip_force, 3) },
+  { key: "peak_tip_force", label: "Peak, N", title: meaningOf("peak_tip_force") ?? "", number: true, cell: ({ outcome }) => figure(outcome?.peak_tip_force, 3) },
   {
     key: "cage_margin",
     label: "Margin, mm",
-    title: "How far the tips would have to give way to let the target out",
+    title: meaningOf("cage_margin") ?? "",
     number: true,
     cell: ({ outcome }) => figure(outcome?.cage_margin, 1, MILLIMETRES.factor),
   },
@@ -79,9 +81,9 @@ const COLUMNS: readonly Column[] = [
   {
     key: "outcome",
     label: "Verdict",
-    title: "How it ended, judged at locked arms",
+    title: meaningOf("at_locked_arms") ?? "",
     cell: (run) => (
-      <span className={styles.verdict}>
+      <span className={styles.verdict} title={run.outcome === null ? run.note ?? undefined : meaningOf(run.outcome.outcome) ?? undefined}>
         <VerdictMark run={run} /> {verdictWords(run)}
       </span>
     ),
@@ -89,7 +91,7 @@ const COLUMNS: readonly Column[] = [
   {
     key: "at_first_closure",
     label: "Paper's verdict",
-    title: "Judged at the first closure, as the paper's tables",
+    title: meaningOf("at_first_closure") ?? "",
     cell: ({ outcome }) => (outcome === null ? "" : lookOf(outcome.at_first_closure).words),
   },
 ];
@@ -97,16 +99,18 @@ const COLUMNS: readonly Column[] = [
 function Head({ column, query }: { readonly column: Column; readonly query: LibraryQuery }) {
   const sorted = query.sort === column.key ? (query.descending ? "descending" : "ascending") : undefined;
   return (
-    <th scope="col" aria-sort={sorted} data-number={column.number} title={column.title}>
-      <button
-        type="button"
-        onClick={() => {
-          ask(sortedBy(query, column.key));
-        }}
-      >
-        {column.label}
-        <span aria-hidden="true">{sorted === undefined ? "" : sorted === "descending" ? " ↓" : " ↑"}</span>
-      </button>
+    <th scope="col" aria-sort={sorted} data-number={column.number}>
+      <Tooltip label={column.title} w={280} position="bottom">
+        <button
+          type="button"
+          onClick={() => {
+            ask(sortedBy(query, column.key));
+          }}
+        >
+          {column.label}
+          <span aria-hidden="true">{sorted === undefined ? "" : sorted === "descending" ? " ↓" : " ↑"}</span>
+        </button>
+      </Tooltip>
     </th>
   );
 }

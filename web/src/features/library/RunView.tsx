@@ -28,10 +28,10 @@ import styles from "./LibraryPage.module.css";
 import { ask, runHash, type LibraryQuery } from "./query";
 import { isUnderWay, type Recording } from "./use-library";
 import { verdictWords } from "./Verdict";
-import { changeWords, configurationWords } from "./words";
+import { changeWords, configurationWords, statusWords } from "./words";
 
 /** What became of it, at the top of the page: what stands below may be out of sight. */
-const endingOf = (run: Run): string => (run.outcome === null ? run.status : `${run.status}: ${verdictWords(run)}`);
+const endingOf = (run: Run): string => (run.outcome === null ? statusWords(run) : `${statusWords(run)}: ${verdictWords(run)}`);
 
 const LOGS = [
   ["mcap", "MCAP"],

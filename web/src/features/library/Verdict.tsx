@@ -2,6 +2,7 @@
 import type { RunSummary } from "../../api/types";
 import { lookOf } from "../../theme/looks";
 import styles from "./RunTable.module.css";
+import { statusWords } from "./words";
 
 /** The mark alone, where words stand beside it. */
 export function VerdictMark({ run }: { readonly run: RunSummary }) {
@@ -13,4 +14,4 @@ export function VerdictMark({ run }: { readonly run: RunSummary }) {
   );
 }
 
-export const verdictWords = (run: RunSummary): string => (run.outcome === null ? run.status : lookOf(run.outcome.outcome).words);
+export const verdictWords = (run: RunSummary): string => (run.outcome === null ? statusWords(run) : lookOf(run.outcome.outcome).words);

@@ -3,7 +3,7 @@ import type { Run } from "../../api/types";
 import { Series } from "../../store/series";
 import { QUANTITY_NAMES, type QuantityName, type Sample } from "../../store/quantities";
 import { comparedAt, comparedSlice, comparedWith } from "../plots/compared";
-import { choices, figures } from "./comparison";
+import { choices, figures, named } from "./comparison";
 
 const run = (damping: number, seed: number): Run =>
   ({ config: { control: { impedance: { mass: 0.1, damping } } }, seed, duration: 12.5, outcome: null }) as unknown as Run;
@@ -24,6 +24,14 @@ describe("two runs beside one another", () => {
     expect(choices(run(1.5, 0), run(1.5, 0))).toEqual([]);
     expect(choices(run(1.5, 0), run(3, 7))).toEqual([
       { name: "control.impedance.damping", one: "1.5", other: "3" },
+      { name: "seed", one: "0", other: "7" },
+    ]);
+  });
+
+  it("are named as on the form, each with its unit", () => {
+    const parameters = [{ path: "control.impedance.damping", title: "Virtual damping of the hand", unit: "N s/m" }];
+    expect(named(choices(run(1.5, 0), run(3, 7)), parameters)).toEqual([
+      { name: "Virtual damping of the hand, N·s/m", path: "control.impedance.damping", one: "1.5", other: "3" },
       { name: "seed", one: "0", other: "7" },
     ]);
   });

@@ -1,10 +1,12 @@
 /** How two runs differ: pure functions from two runs to the lines of a table. */
-import type { Outcome, Run } from "../../api/types";
+import type { Outcome, Parameter, Run } from "../../api/types";
 import { lookOf } from "../../theme/looks";
-import { clock, fixed, MILLIMETRES, plain } from "../../units/units";
+import { clock, fixed, MILLIMETRES, plain, shown } from "../../units/units";
 
 export interface Line {
   readonly name: string;
+  /** Of a parameter, its full path. */
+  readonly path?: string;
   readonly one: string;
   readonly other: string;
 }
@@ -41,4 +43,15 @@ export function choices(one: Run, other: Run): Line[] {
   });
   const seeds = one.seed === other.seed ? [] : [{ name: "seed", one: String(one.seed), other: String(other.seed) }];
   return [...differing, ...seeds];
+}
+
+/** The same with each parameter called as on its form, with its unit; one that the service does not know keeps its path. */
+export function named(lines: readonly Line[], parameters: readonly Pick<Parameter, "path" | "title" | "unit">[]): Line[] {
+  const known = new Map(parameters.map((parameter) => [parameter.path, parameter]));
+  return lines.map((line) => {
+    const parameter = known.get(line.name);
+    if (parameter === undefined) return line;
+    const { unit } = shown(parameter.unit, "rad");
+    return { ...line, name: unit === "" ? parameter.title : `${parameter.title}, ${unit}`, path: line.name };
+  });
 }

@@ -19,6 +19,24 @@ export function changeWords({ path, unit, configured, value }: Change): string {
 export const changesTitle = (changes: readonly Change[]): string =>
   changes.map((change) => `${change.path}: ${change.title}\n    ${changeWords(change)}`).join("\n");
 
+/** What a run is doing, or how it ended without a verdict: cut off, ended by a reset, ended by STOP; else by its status. */
+export function statusWords({ status, kind, integrity, note }: Pick<RunSummary, "status" | "kind" | "integrity" | "note">): string {
+  if (status === "failed" && integrity === "recovered") return "cut off";
+  const flown = kind === "live" || kind === "fork";
+  if (status !== "cancelled" || !flown) return status;
+  // The service's note of a live run without a verdict is how it ended; runs of 0.1.0 have none.
+  return note?.split(":")[0] ?? "ended early";
+}
+
+/** What a filter calls each status; a live run that ended early and a scripted one that was cancelled have the same. */
+export const STATUS_CHOICES: Readonly<Record<RunSummary["status"], string>> = {
+  queued: "queued",
+  running: "running",
+  finished: "finished",
+  failed: "failed or cut off",
+  cancelled: "ended early",
+};
+
 /** The named configuration without the mark of an edited one: what was edited stands beside it. */
 export const configurationWords = ({ configuration, direct }: Pick<RunSummary, "configuration" | "direct">): string =>
   configuration.replace(/ \(edited\)$/, "") + (direct ? ", direct" : "");

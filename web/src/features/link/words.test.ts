@@ -74,8 +74,8 @@ describe("the robot's mode", () => {
   });
 
   it("gives the robot's own reason", () => {
-    const holding = modeOf({ ...LINK, held: false, robot: { ...ROBOT, mode: "holding", why: "heartbeat late: none for 104 ms" } });
-    expect(holding.detail).toBe("Heartbeat late: none for 104 ms. A reset takes it again.");
+    const holding = modeOf({ ...LINK, held: false, robot: { ...ROBOT, mode: "holding", why: "no heartbeat for 104 ms" } });
+    expect(holding.detail).toBe("No heartbeat for 104 ms. A reset takes it again.");
   });
 });
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { forceWords, goWords, reasonsOf } from "./cells";
+import { forceWords, goWords, reasonsOf, toldOf } from "./cells";
 
 const condition = (words: string, met: boolean) => ({ name: words, met, value: null, bound: null, unit: "", words });
 
@@ -14,6 +14,7 @@ describe("go or no-go", () => {
     const waiting = { next: "caging", go: false, blocked: null, conditions: [condition("slow", true), condition("absorbed", false)] };
     expect(goWords(waiting)).toBe("No go");
     expect(reasonsOf(waiting).map(({ sign, words }) => `${sign} ${words}`)).toEqual(["cross absorbed", "check slow"]);
+    expect(toldOf(reasonsOf(waiting)).map(({ words }) => words)).toEqual(["absorbed"]);
     expect(goWords({ ...waiting, go: true })).toBe("Go");
   });
 });

@@ -1,7 +1,7 @@
 /** The strip's smaller readouts. */
 import { Tooltip } from "@mantine/core";
 import type { MissionSnapshot } from "../../api/types";
-import { Term } from "../../app/Term";
+import { Term } from "../../glossary/Term";
 import { useSnapshot } from "../../store/context";
 import { Icon, type Sign } from "../../theme/Icon";
 import { fixed, MILLIMETRES, MILLIMETRES_PER_SECOND } from "../../units/units";
@@ -69,15 +69,26 @@ export function CageCell() {
         {margin !== null && <Icon sign="lock" size={16} />}
         {cageWords(closed, margin)}
       </div>
-      <Remark><Term of="cage_margin">margin</Term> {margin === null ? "—" : `${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
+      <Remark><Term term="cage_margin">margin</Term> {margin === null ? "—" : `${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
     </Cell>
   );
 }
 
 type Readiness = MissionSnapshot["readiness"];
 
+interface Reason {
+  readonly sign: Sign;
+  readonly words: string;
+}
+
+/** What there is room for: of what is waited for, else of what is met. The tip has all. */
+export function toldOf(reasons: readonly Reason[]): readonly Reason[] {
+  const unmet = reasons.filter(({ sign }) => sign !== "check");
+  return (unmet.length > 0 ? unmet : reasons).slice(0, 2);
+}
+
 /** Unmet first: they are what is waited for. */
-export function reasonsOf(readiness: Readiness): readonly { readonly sign: Sign; readonly words: string }[] {
+export function reasonsOf(readiness: Readiness): readonly Reason[] {
   const conditions = [...readiness.conditions]
     .sort((one, other) => Number(one.met) - Number(other.met))
     .map(({ met, words }) => ({ sign: met ? ("check" as const) : ("cross" as const), words }));
@@ -91,7 +102,7 @@ export function goWords({ go, blocked }: Readiness): string {
 
 export function NextCell() {
   const readiness = useSnapshot((snapshot) => snapshot.readiness);
-  const reasons = readiness === null ? [] : reasonsOf(readiness);
+  const reasons: readonly Reason[] = readiness === null ? [] : reasonsOf(readiness);
   const go = readiness?.go ?? false;
   return (
     <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={236}>
@@ -101,7 +112,7 @@ export function NextCell() {
       </div>
       <Tooltip label={reasons.map(({ words }) => words).join("; ")} disabled={reasons.length === 0} position="bottom">
         <ul className={styles.reasons}>
-          {reasons.slice(0, 2).map(({ sign, words }) => (
+          {toldOf(reasons).map(({ sign, words }) => (
             <li key={words} data-sign={sign}>
               <Icon sign={sign} size={11} /> <span className="visually-hidden">{sign === "check" ? "met:" : "unmet:"}</span>
               <span>{words}</span>

@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import type { Touch } from "../../api/types";
 import type { Series } from "../../store/series";
 import type { CanvasColours } from "../../theme/canvas";
-import { fixed, type Shown } from "../../units/units";
+import { decimalsOf, fixed, type Shown } from "../../units/units";
 import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import { comparedSlice, type Compared } from "./compared";
 import { instantOfPeak } from "./peaks";
@@ -14,7 +14,6 @@ const CURSORS = uPlot.sync("becalm-time");
 const AXIS_WIDTH = 52;
 const AXIS_HEIGHT = 22;
 const WHEEL_STEP = 1.25;
-const MOST_DECIMALS = 6;
 
 export interface ChartEvents {
   /** A stretch was drawn with the mouse, between two times. */
@@ -192,14 +191,6 @@ export const axis = (colours: CanvasColours): uPlot.Axis => ({
 function highestPeak(touches: readonly Touch[], range: Range): number {
   const inView = touches.filter((touch) => touch.start <= range.to && (touch.end ?? range.to) >= range.from);
   return Math.max(-Infinity, ...inView.map((touch) => touch.peak));
-}
-
-/** As many decimals as tell neighbouring ticks apart. */
-function decimalsOf(splits: readonly number[]): number {
-  const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0));
-  let decimals = 0;
-  while (decimals < MOST_DECIMALS && Math.abs(step - Number(step.toFixed(decimals))) > 1e-9) decimals += 1;
-  return decimals;
 }
 
 function curveOptions(token: string, dash: readonly number[] | undefined, colours: CanvasColours): uPlot.Series {

@@ -5,7 +5,7 @@ import type { Touch } from "../../api/types";
 import { PHASE_WORDS } from "../../store/phases";
 import type { PhaseSpan } from "../../store/series";
 import { escaped, FIGURE_FONT } from "../../ui/export/figure-file";
-import { fixed } from "../../units/units";
+import { decimalsOf, fixed } from "../../units/units";
 import type { Level } from "./plot-set";
 import type { Range } from "./timeview";
 
@@ -77,8 +77,7 @@ function valueScale(figure: PlotFigure): Scale {
 /** Ticks with as many decimals as tell them apart. */
 function ticksOf(scale: Scale, count: number): { readonly value: number; readonly label: string }[] {
   const values = scale.ticks(count);
-  const step = Math.abs((values[1] ?? 1) - (values[0] ?? 0));
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const decimals = decimalsOf(values);
   return values.map((value) => ({ value, label: fixed(value, decimals) }));
 }
 

@@ -43,6 +43,7 @@ describe("the times of an axis", () => {
   it("say their unit, and are minutes and seconds from two minutes on", () => {
     expect(timeLabels([0, 20, 40])).toEqual(["0", "20", "40 s"]);
     expect(timeLabels([3.4, 3.45, 3.5])).toEqual(["3.40", "3.45", "3.50 s"]);
+    expect(timeLabels([0, 2.5, 5])).toEqual(["0.0", "2.5", "5.0 s"]);
     expect(timeLabels([382, 384, 386])).toEqual(["06:22", "06:24", "06:26"]);
   });
 });

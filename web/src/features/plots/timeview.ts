@@ -1,5 +1,5 @@
 /** The stretch of time that all plots show: it follows the mission, or stands where a person has zoomed. */
-import { clock, fixed } from "../../units/units";
+import { clock, decimalsOf, fixed } from "../../units/units";
 
 export interface Range {
   readonly from: number;
@@ -38,8 +38,7 @@ const MINUTES = 120;
 
 /** The times of an axis: seconds, and minutes with seconds from two minutes on; each with its unit once. */
 export function timeLabels(times: readonly number[]): string[] {
-  const step = Math.abs((times[1] ?? 1) - (times[0] ?? 0));
-  const decimals = Math.min(6, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+  const decimals = decimalsOf(times);
   if ((times.at(-1) ?? 0) <= MINUTES) return times.map((time, place) => `${fixed(time, decimals)}${place === times.length - 1 ? " s" : ""}`);
   return times.map((time) => clock(time, decimals));
 }

@@ -1,7 +1,7 @@
 /** This run: its touches while it flies, how it ended, and its log to take away. */
 import { DownloadLink } from "../../app/DownloadLink";
 import { Panel } from "../../app/Panel";
-import { Term } from "../../app/Term";
+import { Term } from "../../glossary/Term";
 import { hashOf } from "../../app/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
@@ -28,36 +28,38 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
         <Icon sign={SIGNS[verdict.tone]} size={18} /> {verdict.headline}
       </h3>
       <p>
-        {verdict.meaning} {outcome.at_locked_arms.startsWith("caged_force") && <Term of="force_reduced">Against what?</Term>}
+        {verdict.meaning} <Term term={outcome.outcome}>How it is judged</Term>
       </p>
       <dl className={styles.figures}>
         <div>
           <dt>
-            <Term of="peak_to_closure">Peak to closure</Term>
+            <Term term="peak_tip_force_to_closure">Peak to closure</Term>
           </dt>
           <dd>{fixed(outcome.peak_tip_force_to_closure, 3)} N</dd>
         </div>
         <div>
           <dt>
-            <Term of="peak_to_locked">Peak to locked arms</Term>
+            <Term term="peak_tip_force">Peak to locked arms</Term>
           </dt>
           <dd>{fixed(outcome.peak_tip_force, 3)} N</dd>
         </div>
         <div>
           <dt>
-            <Term of="cage_margin">Cage margin</Term>
+            <Term term="cage_margin">Cage margin</Term>
           </dt>
           <dd>{margin(outcome)}</dd>
         </div>
         <div>
           <dt>
-            <Term of="closed_at">Closed at</Term>
+            <Term term="closed_at">Closed at</Term>
           </dt>
           <dd>{closed}</dd>
         </div>
       </dl>
       {outcome.at_first_closure !== outcome.at_locked_arms && (
-        <p className={styles.rule}>By the paper's rule, at the first closure: {lookOf(outcome.at_first_closure).words}.</p>
+        <p className={styles.rule}>
+          <Term term="at_first_closure">Paper&apos;s verdict</Term>: <Term term={outcome.at_first_closure}>{lookOf(outcome.at_first_closure).words}</Term>.
+        </p>
       )}
     </section>
   );

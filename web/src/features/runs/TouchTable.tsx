@@ -1,5 +1,5 @@
 import type { Touch } from "../../api/types";
-import { GLOSSARY } from "../../app/glossary";
+import { meaningOf } from "../../glossary/glossary";
 import { Icon } from "../../theme/Icon";
 import { clock, fixed } from "../../units/units";
 import styles from "./TouchTable.module.css";
@@ -16,7 +16,7 @@ function Row({ touch }: { readonly touch: Touch }) {
         </span>
         {NAMES[touch.arm]}
         {!touch.planned && (
-          <span className={styles.unplanned} title={GLOSSARY.unplanned}>
+          <span className={styles.unplanned} title={meaningOf("unplanned") ?? undefined}>
             <Icon sign="warning" size={12} />
             <span className="visually-hidden">unplanned</span>
           </span>

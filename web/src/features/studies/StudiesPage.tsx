@@ -68,7 +68,7 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
 
 export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
   const [edition, setEdition] = useState(0);
-  const { studies, refusal, read } = useStudies(shown, edition);
+  const { studies, unreadable, refusal, read } = useStudies(shown, edition);
   const view = useStudy(shown ? item : "", edition);
   const [selection, setSelection] = useState<{ readonly study: string; readonly cell: number } | null>(null);
   const again = () => {
@@ -89,6 +89,9 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
               <StudyItem key={each.id} study={each} chosen={each.id === item} />
             ))}
           </ul>
+          {unreadable.map((each) => (
+            <p key={each.id} className={styles.hint}>{`${each.id} cannot be read: ${each.reason}`}</p>
+          ))}
         </Panel>
       </div>
       {study === null ? (

@@ -1,10 +1,10 @@
 /** The map of a grid study as one SVG: a panel for each value of the third axis, the published ones beside. */
-import { memo } from "react";
+import { memo, type SVGProps } from "react";
 import type { StudyDetail, StudyRow } from "../../api/types";
 import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
 import { FIGURE_FONT } from "../../ui/export/figure-file";
 import { shown as shownUnit, plain } from "../../units/units";
-import { axisTitle, geometryOf, LABEL_SIZE, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";
+import { axisTitle, geometryWith, LABEL_SIZE, LEGEND_MARGIN, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";
 import { panelsOf, rangeOf, shownAt, type GridAxis, type Panel, type Shown, type Spread, type Value } from "./layout";
 import type { PublishedClasses } from "./published";
 import type { Rows } from "./use-study";
@@ -315,10 +315,12 @@ export function columnTitle(study: StudyDetail, column: string): string {
 }
 
 /** The attributes of the picture: in the page it fills its frame, as a figure it has a size of its own. */
-export function pictureFrame({ width, height }: Frame, figure: boolean): Record<string, string | number> {
+export function pictureFrame({ width, height }: Frame, figure: boolean): SVGProps<SVGSVGElement> {
   const common = { viewBox: `0 0 ${width} ${height}`, xmlns: "http://www.w3.org/2000/svg" };
   if (figure) return { ...common, width, height, fontFamily: FIGURE_FONT };
-  return { ...common, width: "100%", height: "100%", preserveAspectRatio: "xMidYMin meet", fontFamily: "Inter, system-ui, sans-serif", role: "group" };
+  // Made smaller where it must, never larger: the letters keep the size of the page's.
+  const shown = { width: "100%", height: "100%", style: { maxWidth: width, maxHeight: height, margin: "0 auto", display: "block" } };
+  return { ...common, ...shown, preserveAspectRatio: "xMidYMin meet", fontFamily: "Inter, system-ui, sans-serif", role: "group" };
 }
 
 /** Beside the published panels: that Becalm has no such table. */
@@ -345,8 +347,8 @@ export function StudyMap(props: MapProps) {
   const colouring = colouringOf(range, paper);
   const compared = published !== null;
   const names = legendNames(rows, column, published);
-  const lines = Math.max(1, ...legendPlaces(legendWords(names, compared), Math.max(frame.width, 420) - 80).map(({ line }) => line + 1));
-  const geometry = geometryOf({ spread, compared, frame, legendLines: names.length > 0 ? lines : 2, head: caption === null ? 0 : CAPTION_HEIGHT });
+  const legend = names.length > 0 ? legendWords(names, compared) : [];
+  const geometry = geometryWith(legend, { spread, compared, frame, head: caption === null ? 0 : CAPTION_HEIGHT });
   const { size, left, across, panel: one, head } = geometry;
   const place = (number: number, printed: boolean) => ({
     x: (number % across) * one.width,
@@ -370,7 +372,7 @@ export function StudyMap(props: MapProps) {
             <NotPrinted key={`printed ${number}`} title={`${title(panel)}, published`} paper={paper} geometry={geometry} {...place(number, true)} />
           ),
         )}
-      {names.length > 0 ? <ClassLegend names={names} paper={paper} compared={compared} x={Math.min(left, 60)} y={foot} width={size.width - 80} /> : range && <NumberLegend range={range} title={columnTitle(study, column)} paper={paper} x={Math.min(left, 60)} y={foot} />}
+      {names.length > 0 ? <ClassLegend names={names} paper={paper} compared={compared} x={Math.min(left, 60)} y={foot} width={size.width - LEGEND_MARGIN} /> : range && <NumberLegend range={range} title={columnTitle(study, column)} paper={paper} x={Math.min(left, 60)} y={foot} />}
     </svg>
   );
 }

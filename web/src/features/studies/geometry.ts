@@ -8,11 +8,13 @@ export const TITLE_SIZE = 11;
 /** Cells below this are too small for the letter of their class. */
 export const LETTERED_CELL = 12;
 
-const LARGEST_CELL = 44;
+const LARGEST_CELL = 64;
 const SMALLEST_CELL = 1.5;
 const TOP = 28;
 const GAP = 18;
 const LEGEND_LINE = 20;
+/** Left and right of a legend, together. */
+export const LEGEND_MARGIN = 80;
 /** Between a label and the cells, and between labels that stand beside each other. */
 const PAD = 6;
 
@@ -103,6 +105,21 @@ export function geometryOf(wanted: Wanted): Geometry {
   const pictures = Array.from({ length: panels }, (_, more) => pictureOf(wanted, more + 1));
   const scale = ({ size }: Geometry): number => Math.min(1, wanted.frame.width / size.width, wanted.frame.height / size.height);
   return pictures.reduce((best, each) => (each.wide * scale(each) > best.wide * scale(best) + 1e-9 ? each : best));
+}
+
+const LEGEND_PASSES = 3;
+
+/** The picture with as many lines for its legend as those words take below it: a narrow picture needs more. */
+export function geometryWith(legend: readonly string[], wanted: Omit<Wanted, "legendLines">): Geometry {
+  const linesIn = ({ size }: Geometry): number => legendPlaces(legend, size.width - LEGEND_MARGIN).reduce((most, { line }) => Math.max(most, line + 1), 2);
+  let lines = 2;
+  let geometry = geometryOf({ ...wanted, legendLines: lines });
+  // More lines leave less room for cells, which may make the picture narrower still.
+  for (let pass = 0; pass < LEGEND_PASSES && linesIn(geometry) > lines; pass += 1) {
+    lines = linesIn(geometry);
+    geometry = geometryOf({ ...wanted, legendLines: lines });
+  }
+  return geometry;
 }
 
 /** Entries of a legend in lines that fit that width: each with its place. */

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "react";
 import { Refusal } from "../../api/refusal";
 import { listStudies, readRows, readStudy } from "../../api/service";
-import type { StudyDetail, StudyRow, StudySummary } from "../../api/types";
+import type { StudyDetail, StudyPage, StudyRow, StudySummary } from "../../api/types";
 
 /** Milliseconds between two looks: a map that fills should be seen to fill. */
 const LIVE_PERIOD = 700;
@@ -79,19 +79,20 @@ export function useStudy(id: string, edition: number): StudyView {
 
 export interface StudyList {
   readonly studies: readonly StudySummary[];
+  readonly unreadable: StudyPage["unreadable"];
   readonly refusal: Refusal | null;
   readonly read: boolean;
 }
 
 /** The studies of the service, newest first, while the page is shown. */
 export function useStudies(shown: boolean, edition: number): StudyList {
-  const [list, setList] = useState<StudyList>({ studies: [], refusal: null, read: false });
+  const [list, setList] = useState<StudyList>({ studies: [], unreadable: [], refusal: null, read: false });
   useEffect(() => {
     if (!shown) return undefined;
     return lookAgain(async () => {
       try {
         const page = await listStudies();
-        setList({ studies: page.studies, refusal: null, read: true });
+        setList({ studies: page.studies, unreadable: page.unreadable, refusal: null, read: true });
       } catch (cause) {
         if (!(cause instanceof Refusal)) throw cause;
         setList((before) => ({ ...before, refusal: cause }));
