@@ -9,7 +9,7 @@ export function VerdictMark({ run }: { readonly run: RunSummary }) {
   const look = run.outcome === null ? null : lookOf(run.outcome.outcome);
   return (
     <span className={styles.mark} style={look === null ? undefined : { background: look.colour }} aria-hidden="true">
-      {look?.letter ?? ""}
+      {look?.letter ?? "\u00a0"}
     </span>
   );
 }

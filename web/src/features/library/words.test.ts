@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { changesTitle, changeWords, configurationWords } from "./words";
+import { changeWords, changesTitle, configurationWords, statusWords } from "./words";
 
 const damping = { path: "control.impedance.damping", title: "Virtual damping", unit: "N s/m", configured: 1.5, value: 3 };
 
@@ -12,5 +12,22 @@ describe("a run in words", () => {
 
   it("names the configuration that it began as", () => {
     expect(configurationWords({ configuration: "published (edited)", direct: true })).toBe("published, direct");
+  });
+});
+
+describe("how a run without a verdict ended", () => {
+  const live = { status: "cancelled", kind: "live", integrity: "complete", note: null } as const;
+
+  it("is told apart: cut off, ended by a reset, stopped", () => {
+    expect(statusWords({ ...live, status: "failed", integrity: "recovered" })).toBe("cut off");
+    expect(statusWords({ ...live, note: "cut off: the service ended" })).toBe("cut off");
+    expect(statusWords({ ...live, note: "ended by reset" })).toBe("ended by reset");
+    expect(statusWords({ ...live, note: "ended by STOP" })).toBe("ended by STOP");
+  });
+
+  it("is said for runs of 0.1.0, too, and a failure stays a failure", () => {
+    expect(statusWords(live)).toBe("ended early");
+    expect(statusWords({ ...live, status: "failed", note: "the robot is silent" })).toBe("failed");
+    expect(statusWords({ ...live, kind: "scripted" })).toBe("cancelled");
   });
 });

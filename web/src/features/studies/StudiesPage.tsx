@@ -66,6 +66,12 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
   );
 }
 
+const NO_STUDY = {
+  title: "What would happen if …?",
+  words:
+    "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: their map fills beside the published one, and every cell opens as a flight in the scene.",
+};
+
 export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
   const [edition, setEdition] = useState(0);
   const { studies, unreadable, refusal, read } = useStudies(shown, edition);
@@ -76,6 +82,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
   };
   const study = view.study?.id === item ? view.study : null;
   const missing = item === "" ? null : view.refusal;
+  const empty = item === "" || missing !== null ? NO_STUDY : { title: "Reading the study", words: "" };
   const cell = selection?.study === item ? selection.cell : null;
   return (
     <main className={styles.page} hidden={!shown}>
@@ -90,15 +97,15 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
             ))}
           </ul>
           {unreadable.map((each) => (
-            <p key={each.id} className={styles.hint}>{`${each.id} cannot be read: ${each.reason}`}</p>
+            <p key={each.id} className={styles.unreadable}>{`${each.id} cannot be read: ${each.reason}`}</p>
           ))}
         </Panel>
       </div>
       {study === null ? (
         <EmptyPage
           label="No study chosen"
-          title={missing?.message ?? "What would happen if …?"}
-          words={missing?.tip ?? "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: their map fills beside the published one, and every cell opens as a flight in the scene."}
+          title={missing?.message ?? empty.title}
+          words={missing?.tip ?? empty.words}
         />
       ) : (
         <>

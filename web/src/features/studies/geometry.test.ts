@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { geometryOf, LABEL_SIZE, legendPlaces, TITLE_SIZE } from "./geometry";
+import { geometryOf, geometryWith, LABEL_SIZE, LEGEND_MARGIN, LEGEND_STEP, legendPlaces, TITLE_SIZE } from "./geometry";
 import type { GridAxis, Spread, Value } from "./layout";
 import { fitting, numberWords, textWidth, ticksOf } from "./ticks";
 
@@ -34,6 +34,14 @@ describe.each(Object.entries(SPREADS))("a map of %s", (_, spread) => {
     expect(x.ticks.length).toBeGreaterThanOrEqual(Math.min(2, spread.x.values.length));
     expect(new Set(x.ticks.map(({ text }) => text)).size).toBe(x.ticks.length);
     expect(size.width).toBeLessThanOrEqual(Math.max(frame.width, 420));
+  });
+
+  it.each(FRAMES)("shows its whole legend in $width x $height", (frame) => {
+    const legend = ["caged, force reduced", "caged, force not reduced", "caged, unplanned contact", "base collision", "ejection", "unresolved", "differs from the paper"];
+    const { size, panel, across } = geometryWith(legend, { spread, compared: false, frame, head: 0 });
+    const cells = Math.ceil((spread.facet?.values.length ?? 1) / across) * panel.height;
+    const lines = Math.max(...legendPlaces(legend, size.width - LEGEND_MARGIN).map(({ line }) => line + 1));
+    expect(cells + lines * LEGEND_STEP).toBeLessThanOrEqual(size.height);
   });
 });
 
