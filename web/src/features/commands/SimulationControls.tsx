@@ -5,7 +5,7 @@ import { Choice } from "../../ui/Choice";
 import { fixed } from "../../units/units";
 import { useReasonAgainstCommanding } from "../control/control";
 import { BACK, PAUSE, RUN, speedsWith, STEP } from "./catalogue";
-import { CommandButton } from "./CommandButton";
+import { CommandButton, reasonAgainst } from "./CommandButton";
 import styles from "./CommandPanel.module.css";
 import { useDesk } from "./context";
 
@@ -22,12 +22,17 @@ export function SimulationControls() {
   const speed = useSnapshot((snapshot) => snapshot.plant.speed) ?? 1;
   const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
   const tick = useSnapshot((snapshot) => snapshot.tick) ?? 0;
-  const live = useView((view) => view.trust === "live");
+  const untrusted = useView((view) => (view.trust === "live" ? null : reasonAgainst(view, "run")));
   const byWho = useReasonAgainstCommanding();
   const [chosen, setChosen] = useState<string | null>(null);
   const [ticks, setTicks] = useState("1");
 
   const choose = (value: string): void => {
+    // The list stays as it is while data are late for a moment; what is chosen then is not sent, and the page says why.
+    if (untrusted !== null) {
+      desk.explain("run", untrusted);
+      return;
+    }
     // While time stands still the speed is only noted, for the next Run.
     setChosen(running ? null : value);
     if (running) void desk.send({ command: "run", speed: Number(value) });
@@ -36,7 +41,7 @@ export function SimulationControls() {
   return (
     <div className={styles.simulation}>
       <h3>
-        Simulation <span>{live && (running ? `runs at ${fixed(factor, 2)} ×` : "paused")}</span>
+        Simulation <span>{untrusted === null && (running ? `runs at ${fixed(factor, 2)} ×` : "paused")}</span>
       </h3>
       {running ? (
         <CommandButton words={PAUSE} sign="pause" />
@@ -45,7 +50,7 @@ export function SimulationControls() {
       )}
       <Choice
         aria-label="Speed of the simulation"
-        disabled={!live || byWho !== null}
+        disabled={byWho !== null}
         title={byWho ?? undefined}
         value={chosen ?? String(speed)}
         data={speedsWith(speed)}
