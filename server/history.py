@@ -19,8 +19,12 @@ from server.run_folder import TickArray
 from sim.capture.snapshot import Published
 from sim.capture.tick import ARMS, COLUMNS, Column, column_values
 
-CAPACITY = 1500
-"""Pieces at most; two neighbours become one when it is full."""
+CAPACITY = 750
+"""Pieces at most; two neighbours become one when it is full. Their JSON, the first that a late reader is sent, stays
+under the mebibyte that WebSocket clients take of a message unless they are told otherwise."""
+
+AT_ONCE = 1000
+"""Ticks that are taken in with one length of their pieces; far fewer than fill the room."""
 
 FIRST_STRIDE = 16
 """Ticks in a piece at first: about what a screen shows in a second."""
@@ -167,8 +171,11 @@ class HistoryRing:
 
     def keep(self, ticks: TickArray) -> None:
         """Take in rows of `TICK` that follow those before; they show when their piece is whole."""
-        if not len(ticks):
-            return
+        for start in range(0, len(ticks), AT_ONCE):
+            self._keep_few(ticks[start : start + AT_ONCE])
+
+    def _keep_few(self, ticks: TickArray) -> None:
+        """Take in rows that all become pieces of one length."""
         self._waiting.append(ticks)
         first, last = (int(tick) // self._stride for tick in (self._waiting[0]["tick"][0], ticks["tick"][-1]))
         if first == last:

@@ -140,7 +140,7 @@ async def history(
     services: ServicesDep,
     since: Annotated[int, Query(description="Only ticks after this one")] = -1,
 ) -> Response:
-    """The mission so far in at most 3000 rows of the plotted columns, for a browser that comes late."""
+    """The mission so far in under 1600 rows of the plotted columns, for a browser that comes late."""
     return Response("{" + services.feed.history.encoded(since) + "}", media_type="application/json")
 
 

@@ -41,6 +41,18 @@ def test_it_spans_the_mission_in_bounded_rows():
     assert ticks[-1] > 400_000 - strides.max() - 1
 
 
+def test_full_it_fits_a_message_that_every_client_takes():
+    """A mebibyte is what WebSocket clients take unless they are told otherwise; the numbers here are of full length."""
+    history, random = HistoryRing(), np.random.default_rng(1)
+    ticks = _ticks(0, FIRST_STRIDE * CAPACITY + 1)
+    for name in TICK.names or ():
+        if TICK[name].base.kind == "f" and name != "time":
+            ticks[name] = random.normal(scale=1e-3, size=ticks[name].shape)
+    history.keep(ticks)
+    assert len(_read(history)["rows"]) == 2 * CAPACITY
+    assert len(history.encoded()) < 2**20
+
+
 def test_no_peak_is_lost_however_long_the_mission_lasts():
     """Eleven minutes with one tick of force in them: as high as the peak that the page states."""
     history = HistoryRing()
