@@ -2,6 +2,7 @@ import eslint from "@eslint/js";
 import reactHooks from "eslint-plugin-react-hooks";
 import { defineConfig, globalIgnores } from "eslint/config";
 import tseslint from "typescript-eslint";
+import { ROOMS, roomsNotFor } from "./import-order.js";
 
 const NEVER_HTML = {
   selector: "JSXAttribute[name.name='dangerouslySetInnerHTML']",
@@ -33,8 +34,11 @@ const PATHS_OF_THE_SERVICE = ["Literal[value=/^\\u002f[a-z]/]", "TemplateLiteral
   }),
 );
 
+/** The order of the rooms is read from import statements. */
+const ONLY_STATIC_IMPORTS = { selector: "ImportExpression[source.value=/^\\./]", message: "import the page's own modules by a statement, which import-order.js can check" };
+
 export default defineConfig(
-  globalIgnores(["node_modules", "src/client", "eslint.config.js"]),
+  globalIgnores(["node_modules", "src/client", "*.js"]),
   eslint.configs.recommended,
   tseslint.configs.strictTypeChecked,
   tseslint.configs.stylisticTypeChecked,
@@ -55,9 +59,20 @@ export default defineConfig(
   {
     files: ["src/**"],
     rules: {
-      "no-restricted-syntax": ["error", NEVER_HTML, ...NEVER_BROWSERS_OWN, ...PATHS_OF_THE_SERVICE],
-      "no-restricted-imports": ["error", { paths: [{ name: "@mantine/core", importNames: OVER_THE_PAGE, message: KEEPS_ESC }] }],
+      "no-restricted-syntax": ["error", NEVER_HTML, ...NEVER_BROWSERS_OWN, ...PATHS_OF_THE_SERVICE, ONLY_STATIC_IMPORTS],
     },
   },
-  { files: ["src/ui/**"], rules: { "no-restricted-imports": "off" } },
+  ...ROOMS.map((room) => ({
+    files: [`src/${room}/**`],
+    rules: {
+      "no-restricted-imports": [
+        "error",
+        { paths: room === "ui" ? [] : [{ name: "@mantine/core", importNames: OVER_THE_PAGE, message: KEEPS_ESC }], patterns: roomsNotFor(room) },
+      ],
+    },
+  })),
+  {
+    files: ["src/**/*.test.ts"],
+    rules: { "max-lines-per-function": "off" },
+  },
 );

@@ -18,12 +18,12 @@ import "@mantine/core/styles/PasswordInput.css";
 import "@mantine/core/styles/Progress.css";
 import "@mantine/core/styles/Slider.css";
 import "uplot/dist/uPlot.min.css";
-import "./theme/fonts.css";
-import "./theme/tokens.css";
-import "./theme/global.css";
+import "./ui/theme/fonts.css";
+import "./ui/theme/tokens.css";
+import "./ui/theme/global.css";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
-import { App } from "./app/App";
+import { App } from "./shell/App";
 
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root");

@@ -2,7 +2,7 @@
 import createClient from "openapi-fetch";
 import type { paths } from "../client/schema";
 import { HERE, addressOf } from "./address";
-import { patience } from "./patience";
+import { patience } from "../stop/patience";
 import { noAnswer, refusalOf } from "./refusal";
 import type {
   Arming,

@@ -1,7 +1,7 @@
 /** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
 import { socketAddress } from "../api/address";
 import type { History, MissionEvent, MissionSnapshot } from "../api/types";
-import { samplesOfTable, type Sample, type Table } from "../store/quantities";
+import { samplesOfTable, type Sample, type Table } from "./quantities";
 import { waitBefore } from "./backoff";
 import type { Sink, Source } from "./source";
 

@@ -1,6 +1,6 @@
 /** Where a mission is read from: live telemetry, or a stored run. Panels never know which. */
 import type { MissionEvent, MissionSnapshot } from "../api/types";
-import type { Sample } from "../store/quantities";
+import type { Sample } from "./quantities";
 
 /** How the way to the data is. */
 export type Link =

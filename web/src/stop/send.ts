@@ -1,6 +1,5 @@
 /** How STOP is sent, and what its answer comes to: the only place of the console that knows. */
-import { addressOf } from "../api/address";
-import { patience } from "../api/patience";
+import { patience } from "./patience";
 
 export interface Verdict {
   /** `unconfirmed`: nobody knows whether the mission stopped. */
@@ -8,6 +7,9 @@ export interface Verdict {
   readonly title: string;
   readonly advice: string;
 }
+
+/** The path that the form of STOP in `index.html` posts to as well; relative, as the console may lie under a path of another site. */
+const ADDRESS = "./api/v1/mission/stop";
 
 /** Milliseconds that one try waits for its answer. */
 const ANSWER_TIME = 1500;
@@ -17,7 +19,7 @@ const TRIES = 3;
 
 /** `keepalive`: it is still sent when the page is left right after. */
 const post = (): Promise<Response> =>
-  fetch(addressOf("/api/v1/mission/stop"), {
+  fetch(ADDRESS, {
     method: "POST",
     credentials: "same-origin",
     cache: "no-store",

@@ -2,8 +2,8 @@
 import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
 import { ServiceClock } from "../source/service-clock";
 import type { Link, Sink } from "../source/source";
-import { sampleOfSnapshot, type Sample } from "./quantities";
-import { Series } from "./series";
+import { sampleOfSnapshot, type Sample } from "../source/quantities";
+import { Series } from "../source/series";
 
 /** Age at which what is shown counts as old, in milliseconds: since the service made it, not since it came. */
 export const STALE_AFTER = 500;

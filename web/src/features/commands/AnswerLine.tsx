@@ -1,5 +1,5 @@
 /** What the service said to the last command. */
-import { Icon, type Sign } from "../../theme/Icon";
+import { Icon, type Sign } from "../../ui/theme/Icon";
 import { labelOf } from "./catalogue";
 import { useDeskView } from "./context";
 import type { Answer, Verdict } from "./desk";

@@ -4,7 +4,7 @@ import { useState, type SyntheticEvent } from "react";
 import type { CommandRequest } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
 import type { MissionView } from "../../store/mission";
-import { Icon, type Sign } from "../../theme/Icon";
+import { Icon, type Sign } from "../../ui/theme/Icon";
 import { useReasonAgainstCommanding } from "../control/control";
 import type { CommandWords } from "./catalogue";
 import { useDesk, useDeskView } from "./context";

@@ -1,7 +1,7 @@
 /** The panel of commands. */
 import { useEffect, useId, useState } from "react";
-import { Panel } from "../../app/Panel";
-import { useKept } from "../../app/preferences";
+import { Panel } from "../../ui/Panel";
+import { useKept } from "../../ui/use-kept";
 import { readNamedConfigurations } from "../../api/service";
 import type { NamedConfiguration } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";

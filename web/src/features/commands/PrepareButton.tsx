@@ -2,7 +2,7 @@
 import { Button } from "@mantine/core";
 import { useState } from "react";
 import type { CommandRequest } from "../../api/types";
-import { go } from "../../app/route";
+import { go } from "../../store/route";
 import { useSnapshot, useView } from "../../store/context";
 import { useReasonAgainstCommanding } from "../control/control";
 import { useWhatIsLost } from "../mission/lost";

@@ -1,11 +1,11 @@
 /** Who is in control, at the top of every page, and how that changes. */
 import { Button } from "@mantine/core";
 import { useEffect, useState } from "react";
-import { ConfirmButton } from "../../app/ConfirmButton";
-import { useDoing, type Doing } from "../../app/use-doing";
+import { ConfirmButton } from "../../ui/ConfirmButton";
+import { useDoing, type Doing } from "../../api/use-doing";
 import { changeControl, readControl } from "../../api/service";
 import type { Control } from "../../api/types";
-import { Icon, type Sign } from "../../theme/Icon";
+import { Icon, type Sign } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import { Popup } from "../../ui/Popup";
 import { reasonByRole, useAccess } from "../access/session";

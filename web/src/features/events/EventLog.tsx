@@ -1,10 +1,10 @@
 /** What happened, the latest at the bottom and in view unless the reader has scrolled back. */
 import { useRef, useState } from "react";
-import { Panel } from "../../app/Panel";
+import { Panel } from "../../ui/Panel";
 import type { MissionEvent } from "../../api/types";
 import { useView } from "../../store/context";
 import { useAccess } from "../access/session";
-import { Icon, SEVERITY_SIGN } from "../../theme/Icon";
+import { Icon, SEVERITY_SIGN } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./EventLog.module.css";
 

@@ -1,8 +1,8 @@
 /** What is wrong now, and what to do about it, in a place of its own that is always there, so that nothing jumps. */
-import { Panel } from "../../app/Panel";
-import { hashOf } from "../../app/route";
+import { Panel } from "../../ui/Panel";
+import { hashOf } from "../../store/route";
 import { useSnapshot } from "../../store/context";
-import { Icon, SEVERITY_SIGN } from "../../theme/Icon";
+import { Icon, SEVERITY_SIGN } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./ProblemList.module.css";
 

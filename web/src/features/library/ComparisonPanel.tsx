@@ -1,7 +1,7 @@
 /** Two runs in figures; their plots lie over one another, the second one thinner and paler. */
 import { SegmentedControl } from "@mantine/core";
-import { Panel } from "../../app/Panel";
-import { hashOf } from "../../app/route";
+import { Panel } from "../../ui/Panel";
+import { hashOf } from "../../store/route";
 import type { Run } from "../../api/types";
 import { useConfiguration } from "../../store/configuration";
 import type { Alignment } from "../plots/compared";

@@ -1,9 +1,9 @@
 /** The library: every run that was recorded, found, read, annotated, taken away. */
 import { ActionIcon } from "@mantine/core";
 import { useMemo, useState } from "react";
-import { EmptyPage } from "../../app/EmptyPage";
-import { Panel } from "../../app/Panel";
-import { Icon } from "../../theme/Icon";
+import { EmptyPage } from "../../ui/EmptyPage";
+import { Panel } from "../../ui/Panel";
+import { Icon } from "../../ui/theme/Icon";
 import styles from "./LibraryPage.module.css";
 import { ask, isFiltered, PAGE_SIZE, queryOf, runHash, useQueryAddress, type LibraryQuery } from "./query";
 import { RunFilters } from "./RunFilters";

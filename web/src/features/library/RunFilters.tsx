@@ -1,8 +1,8 @@
 /** What of the library is shown: kept in the address, so that a reload and a link show the same. */
 import { Button, Switch, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
-import { Icon } from "../../theme/Icon";
-import { lookOf } from "../../theme/looks";
+import { Icon } from "../../ui/theme/Icon";
+import { lookOf } from "../glossary/class-style";
 import { Choice } from "../../ui/Choice";
 import { ask, isFiltered, KINDS, NO_WISH, STATUSES, VERDICTS, type LibraryQuery } from "./query";
 import styles from "./LibraryPage.module.css";

@@ -2,8 +2,8 @@
 import { Tooltip } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { RunSummary } from "../../api/types";
-import { meaningOf } from "../../glossary/glossary";
-import { lookOf } from "../../theme/looks";
+import { meaningOf } from "../glossary/glossary";
+import { lookOf } from "../glossary/class-style";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
 import { ask, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
 import styles from "./RunTable.module.css";

@@ -1,12 +1,12 @@
 /** One run of the library: how it ended, its plots and events, what people say of it, its log. */
 import { ActionIcon, Button, Checkbox, Textarea, TextInput } from "@mantine/core";
 import { useMemo, useState, useSyncExternalStore } from "react";
-import { ConfirmButton } from "../../app/ConfirmButton";
-import { DownloadLink } from "../../app/DownloadLink";
-import { Facts, type Fact } from "../../app/Facts";
-import { Panel } from "../../app/Panel";
-import { hashOf } from "../../app/route";
-import { useDoing, type Doing } from "../../app/use-doing";
+import { ConfirmButton } from "../../ui/ConfirmButton";
+import { DownloadLink } from "../../ui/DownloadLink";
+import { Facts, type Fact } from "../../ui/Facts";
+import { Panel } from "../../ui/Panel";
+import { hashOf } from "../../store/route";
+import { useDoing, type Doing } from "../../api/use-doing";
 import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
 import type { Run } from "../../api/types";

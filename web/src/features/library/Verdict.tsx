@@ -1,6 +1,6 @@
 /** How a run ended, by its verdict; what it is doing, without one. */
 import type { RunSummary } from "../../api/types";
-import { lookOf } from "../../theme/looks";
+import { lookOf } from "../glossary/class-style";
 import styles from "./RunTable.module.css";
 import { statusWords } from "./words";
 

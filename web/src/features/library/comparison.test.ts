@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Run } from "../../api/types";
-import { Series } from "../../store/series";
-import { QUANTITY_NAMES, type QuantityName, type Sample } from "../../store/quantities";
+import { Series } from "../../source/series";
+import { QUANTITY_NAMES, type QuantityName, type Sample } from "../../source/quantities";
 import { comparedAt, comparedSlice, comparedWith } from "../plots/compared";
 import { choices, figures, named } from "./comparison";
 

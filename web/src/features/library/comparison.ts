@@ -1,6 +1,6 @@
 /** How two runs differ: pure functions from two runs to the lines of a table. */
 import type { Outcome, Parameter, Run } from "../../api/types";
-import { lookOf } from "../../theme/looks";
+import { lookOf } from "../glossary/class-style";
 import { clock, fixed, MILLIMETRES, plain, shown } from "../../units/units";
 
 export interface Line {

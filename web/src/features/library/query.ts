@@ -1,6 +1,6 @@
 /** What the library is asked for, as the address keeps it: `#/runs?text=damping&sort=-peak_tip_force&page=3`. */
 import { useSyncExternalStore } from "react";
-import { hashOf } from "../../app/route";
+import { hashOf } from "../../store/route";
 import type { RunsQuery } from "../../api/types";
 
 export const PAGE_SIZE = 50;

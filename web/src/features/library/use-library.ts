@@ -4,7 +4,7 @@ import { Refusal } from "../../api/refusal";
 import { listRuns, readEvents, readRun, readTicks } from "../../api/service";
 import type { Run, RunPage, RunSummary } from "../../api/types";
 import { MissionStore } from "../../store/mission";
-import { samplesOfTable } from "../../store/quantities";
+import { samplesOfTable } from "../../source/quantities";
 import { usePageVisible } from "../../ui/use-page-visible";
 import { requestOf, type LibraryQuery } from "./query";
 

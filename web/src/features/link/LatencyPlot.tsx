@@ -1,9 +1,9 @@
 /** How long heartbeats and commands took over the last minute: as a plot, and what it says in numbers. */
 import { useMantineColorScheme } from "@mantine/core";
 import { useEffect, useRef } from "react";
-import { Panel } from "../../app/Panel";
+import { Panel } from "../../ui/Panel";
 import type { LinkStatus } from "../../api/types";
-import { canvasColours } from "../../theme/canvas";
+import { canvasColours } from "../../ui/theme/canvas";
 import { CURVES, LatencyChart } from "./latency-chart";
 import styles from "./LinkPage.module.css";
 import { milliseconds } from "./words";

@@ -1,12 +1,12 @@
 /** What the robot does and for whom, and the taring of its wrists. */
 import { Button, Tooltip } from "@mantine/core";
 import { useState } from "react";
-import { Facts, type Fact } from "../../app/Facts";
-import { Panel } from "../../app/Panel";
-import { useDoing } from "../../app/use-doing";
+import { Facts, type Fact } from "../../ui/Facts";
+import { Panel } from "../../ui/Panel";
+import { useDoing } from "../../api/use-doing";
 import { tareWrists } from "../../api/service";
 import type { LinkStatus } from "../../api/types";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { useReasonAgainstCommanding } from "../control/control";
 import styles from "./LinkPage.module.css";
 import { age, holderOf, modeOf, sentence } from "./words";

@@ -1,8 +1,8 @@
 /** The streams of the contract: how each of them comes. */
 import { Tooltip } from "@mantine/core";
-import { Panel } from "../../app/Panel";
+import { Panel } from "../../ui/Panel";
 import type { LinkStatus, StreamStatus } from "../../api/types";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { fixed } from "../../units/units";
 import styles from "./LinkPage.module.css";
 import { age, milliseconds, sentence, streamWord } from "./words";

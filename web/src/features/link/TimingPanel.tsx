@@ -1,6 +1,6 @@
 /** Clocks, latency and thresholds, each as one number. */
 import type { ReactNode } from "react";
-import { Panel } from "../../app/Panel";
+import { Panel } from "../../ui/Panel";
 import type { LinkStatus } from "../../api/types";
 import { fixed } from "../../units/units";
 import styles from "./LinkPage.module.css";

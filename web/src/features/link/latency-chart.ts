@@ -1,7 +1,7 @@
 /** Round trips and command ages of the last minute in one uPlot chart; knows nothing of React. */
 import uPlot from "uplot";
 import type { LinkStatus } from "../../api/types";
-import type { CanvasColours } from "../../theme/canvas";
+import type { CanvasColours } from "../../ui/theme/canvas";
 import { axis } from "../plots/chart";
 import { drawLevels } from "../plots/decorations";
 

@@ -1,6 +1,6 @@
 /** What the figures of the link mean, in words and signs: no colour stands alone. */
 import type { LinkStatus, StreamStatus } from "../../api/types";
-import type { Sign } from "../../theme/Icon";
+import type { Sign } from "../../ui/theme/Icon";
 import { fixed } from "../../units/units";
 
 export type Tone = "calm" | "warning" | "error" | "plain";

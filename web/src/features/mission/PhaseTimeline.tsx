@@ -2,8 +2,8 @@
 import { Tooltip } from "@mantine/core";
 import type { MissionSnapshot } from "../../api/types";
 import { useSnapshot } from "../../store/context";
-import { isPhase, PHASE_WORDS, type Phase } from "../../store/phases";
-import { Icon, type Sign } from "../../theme/Icon";
+import { isPhase, PHASE_WORDS, type Phase } from "../../source/phases";
+import { Icon, type Sign } from "../../ui/theme/Icon";
 import { fixed } from "../../units/units";
 import styles from "./PhaseTimeline.module.css";
 

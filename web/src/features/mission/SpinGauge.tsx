@@ -1,7 +1,7 @@
 /** The target's spin against the threshold below which caging may begin. */
-import { usePreferences } from "../../app/preferences";
+import { usePreferences } from "../../units/preferences";
 import { useSnapshot, useStore } from "../../store/context";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { fixed, shown } from "../../units/units";
 import { Cell, Reading, Remark } from "./Cell";
 import styles from "./SpinGauge.module.css";

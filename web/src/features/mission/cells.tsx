@@ -1,9 +1,9 @@
 /** The strip's smaller readouts. */
 import { Tooltip } from "@mantine/core";
 import type { MissionSnapshot } from "../../api/types";
-import { Term } from "../../glossary/Term";
+import { Term } from "../glossary/Term";
 import { useSnapshot } from "../../store/context";
-import { Icon, type Sign } from "../../theme/Icon";
+import { Icon, type Sign } from "../../ui/theme/Icon";
 import { fixed, MILLIMETRES, MILLIMETRES_PER_SECOND } from "../../units/units";
 import { Cell, Reading, Remark } from "./Cell";
 import styles from "./cells.module.css";

@@ -2,7 +2,7 @@
 import { ActionIcon, TextInput, Tooltip } from "@mantine/core";
 import { useId, type KeyboardEvent } from "react";
 import type { Parameter } from "../../api/types";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import { shown, type AngleUnit } from "../../units/units";
 import { boundsText, fieldText, nudged, words, type Value } from "./draft";

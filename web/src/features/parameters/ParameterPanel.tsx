@@ -1,13 +1,13 @@
 /** The form of parameters, drawn from the schema: edits are staged, compared, applied together or discarded. */
 import { Button, TextInput } from "@mantine/core";
 import { useState } from "react";
-import { Panel } from "../../app/Panel";
-import { usePreferences } from "../../app/preferences";
+import { Panel } from "../../ui/Panel";
+import { usePreferences } from "../../units/preferences";
 import { Refusal } from "../../api/refusal";
 import { changeConfiguration, readConfiguration } from "../../api/service";
 import type { MissionConfiguration, Parameter, Preset, PresetBody } from "../../api/types";
 import { useConfiguration, type Configuration } from "../../store/configuration";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { useArmingOf } from "./arming";
 import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, type Change, type Draft, type Value } from "./draft";
 import { ParameterField } from "./ParameterField";

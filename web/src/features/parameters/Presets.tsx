@@ -1,8 +1,8 @@
 /** Parameters kept by name: chosen, they are staged like any edit; what is in force and staged is kept by a name. */
 import { Button, TextInput } from "@mantine/core";
 import { useCallback, useEffect, useState } from "react";
-import { ConfirmButton } from "../../app/ConfirmButton";
-import { useDoing } from "../../app/use-doing";
+import { ConfirmButton } from "../../ui/ConfirmButton";
+import { useDoing } from "../../api/use-doing";
 import { keepPreset, readPresets, removePreset } from "../../api/service";
 import type { Preset, PresetBody } from "../../api/types";
 import { useView } from "../../store/context";

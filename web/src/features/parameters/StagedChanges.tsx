@@ -1,9 +1,9 @@
 /** What would change, beside what is in force; applied together or not at all. */
 import { Button } from "@mantine/core";
-import { usePreferences } from "../../app/preferences";
+import { usePreferences } from "../../units/preferences";
 import type { Refusal } from "../../api/refusal";
 import { useView } from "../../store/context";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { shown } from "../../units/units";
 import { ARMED_LOOK, SecondsLeft } from "../commands/SecondsLeft";
 import { useReasonAgainstCommanding } from "../control/control";

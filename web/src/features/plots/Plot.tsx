@@ -1,9 +1,9 @@
 /** One plot with its title, the values under the cursor or of now, and its chart. */
 import { useMantineColorScheme } from "@mantine/core";
 import { useCallback, useEffect, useMemo, useRef } from "react";
-import { usePreferences } from "../../app/preferences";
-import type { Series } from "../../store/series";
-import { canvasColours } from "../../theme/canvas";
+import { usePreferences } from "../../units/preferences";
+import type { Series } from "../../source/series";
+import { canvasColours } from "../../ui/theme/canvas";
 import { fixed, shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
 import { comparedAt, useCompared, type Compared } from "./compared";

@@ -2,12 +2,12 @@
 import { Button, SegmentedControl } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { useMemo, useRef, useState } from "react";
-import { Panel } from "../../app/Panel";
-import { useKept } from "../../app/preferences";
+import { Panel } from "../../ui/Panel";
+import { useKept } from "../../ui/use-kept";
 import type { Run } from "../../api/types";
 import { useConfiguration } from "../../store/configuration";
 import { useSnapshot, useStore } from "../../store/context";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import type { Player } from "../replay/player";
 import type { ChartEvents } from "./chart";
 import { useCompared } from "./compared";

@@ -1,8 +1,8 @@
 /** One uPlot chart over the mission's series; knows nothing of React. */
 import uPlot from "uplot";
 import type { Touch } from "../../api/types";
-import type { Series } from "../../store/series";
-import type { CanvasColours } from "../../theme/canvas";
+import type { Series } from "../../source/series";
+import type { CanvasColours } from "../../ui/theme/canvas";
 import { decimalsOf, fixed, type Shown } from "../../units/units";
 import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import { comparedSlice, type Compared } from "./compared";

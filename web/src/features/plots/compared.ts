@@ -1,7 +1,7 @@
 /** A second recording on the clock of the first: both begin to move at the same place of the axis. */
 import { createContext, useContext } from "react";
-import type { QuantityName } from "../../store/quantities";
-import type { Series } from "../../store/series";
+import type { QuantityName } from "../../source/quantities";
+import type { Series } from "../../source/series";
 import type { Range } from "./timeview";
 
 export interface Compared {

@@ -1,10 +1,10 @@
 /** What a plot draws besides its curves: phases behind, touches and levels in front. */
 import type uPlot from "uplot";
 import type { Touch } from "../../api/types";
-import type { Phase } from "../../store/phases";
-import type { PhaseSpan } from "../../store/series";
-import type { CanvasColours } from "../../theme/canvas";
-import { PHASE_WORDS } from "../../store/phases";
+import type { Phase } from "../../source/phases";
+import type { PhaseSpan } from "../../source/series";
+import type { CanvasColours } from "../../ui/theme/canvas";
+import { PHASE_WORDS } from "../../source/phases";
 import type { Level } from "./plot-set";
 
 const SHADES: Readonly<Partial<Record<Phase, string>>> = {

@@ -2,8 +2,8 @@
 import { useEffect, useState } from "react";
 import { Refusal } from "../../api/refusal";
 import { readTicks } from "../../api/service";
-import { samplesOfTable } from "../../store/quantities";
-import { Series } from "../../store/series";
+import { samplesOfTable } from "../../source/quantities";
+import { Series } from "../../source/series";
 import type { Range } from "./timeview";
 
 /** Rows for a stretch: two for each column of pixels of the widest screens. */

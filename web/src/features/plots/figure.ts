@@ -2,8 +2,8 @@
 import { scaleLinear, type ScaleLinear } from "d3-scale";
 import { line } from "d3-shape";
 import type { Touch } from "../../api/types";
-import { PHASE_WORDS } from "../../store/phases";
-import type { PhaseSpan } from "../../store/series";
+import { PHASE_WORDS } from "../../source/phases";
+import type { PhaseSpan } from "../../source/series";
 import { escaped, FIGURE_FONT } from "../../ui/export/figure-file";
 import { decimalsOf, fixed } from "../../units/units";
 import type { Level } from "./plot-set";

@@ -1,6 +1,6 @@
 /** When the force of a touch was greatest: the sample nearest to the peak, which was measured tick by tick. */
 import type { Touch } from "../../api/types";
-import type { Series } from "../../store/series";
+import type { Series } from "../../source/series";
 
 export function instantOfPeak(series: Series, touch: Touch): number {
   const quantity = touch.arm === "left" ? "leftForce" : "rightForce";

@@ -1,6 +1,6 @@
 /** Which plots there are: their curves, levels and ranges. A new plot is a new entry here. */
 import type { MissionConfiguration, MissionSnapshot } from "../../api/types";
-import { JOINTS, type QuantityName } from "../../store/quantities";
+import { JOINTS, type QuantityName } from "../../source/quantities";
 import { MILLIMETRES, type Shown } from "../../units/units";
 
 export interface Curve {

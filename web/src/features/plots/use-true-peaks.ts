@@ -4,7 +4,7 @@ import { Refusal } from "../../api/refusal";
 import { readHistory } from "../../api/service";
 import { useStore } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
-import { samplesOfTable } from "../../store/quantities";
+import { samplesOfTable } from "../../source/quantities";
 import { usePageVisible } from "../../ui/use-page-visible";
 
 /** Milliseconds between two looks. */

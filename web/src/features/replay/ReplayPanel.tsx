@@ -2,11 +2,11 @@
 import { ActionIcon, Button, Slider } from "@mantine/core";
 import { useEffect, useRef, useState, useSyncExternalStore } from "react";
 import type { MissionSnapshot } from "../../api/types";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import { clock, fixed, MILLIMETRES_PER_SECOND, shown } from "../../units/units";
-import { Facts, type Fact } from "../../app/Facts";
-import { usePreferences } from "../../app/preferences";
+import { Facts, type Fact } from "../../ui/Facts";
+import { usePreferences } from "../../units/preferences";
 import { SceneChoices } from "../scene/SceneChoices";
 import { sceneAddress, useDetail } from "../scene/detail";
 import { SceneFrame } from "../scene/SceneFrame";

@@ -1,13 +1,13 @@
 /** This run: its touches while it flies, how it ended, and its log to take away. */
-import { DownloadLink } from "../../app/DownloadLink";
-import { Panel } from "../../app/Panel";
-import { Term } from "../../glossary/Term";
-import { hashOf } from "../../app/route";
+import { DownloadLink } from "../../ui/DownloadLink";
+import { Panel } from "../../ui/Panel";
+import { Term } from "../glossary/Term";
+import { hashOf } from "../../store/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
 import { useSnapshot } from "../../store/context";
-import { Icon, type Sign } from "../../theme/Icon";
-import { lookOf } from "../../theme/looks";
+import { Icon, type Sign } from "../../ui/theme/Icon";
+import { lookOf } from "../glossary/class-style";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
 import { verdictOf, type Verdict } from "./outcome";
 import styles from "./RunPanel.module.css";

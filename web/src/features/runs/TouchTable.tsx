@@ -1,6 +1,6 @@
 import type { Touch } from "../../api/types";
-import { meaningOf } from "../../glossary/glossary";
-import { Icon } from "../../theme/Icon";
+import { meaningOf } from "../glossary/glossary";
+import { Icon } from "../../ui/theme/Icon";
 import { clock, fixed } from "../../units/units";
 import styles from "./TouchTable.module.css";
 

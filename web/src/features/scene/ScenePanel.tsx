@@ -4,7 +4,7 @@ import { useEffect, useState } from "react";
 import { changeScene, readScene } from "../../api/service";
 import type { SceneView } from "../../api/types";
 import { useView } from "../../store/context";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { usePageVisible } from "../../ui/use-page-visible";
 import { useReasonByRole } from "../access/session";
 import { sceneAddress, useDetail, type DetailChoice } from "./detail";

@@ -1,6 +1,6 @@
 /** How finely scenes are drawn in this browser. */
 import { addressOf } from "../../api/address";
-import { useKept } from "../../app/preferences";
+import { useKept } from "../../ui/use-kept";
 
 /** `light` draws a quarter of the pixels, without environment map and shadows. */
 export type Detail = "full" | "light";

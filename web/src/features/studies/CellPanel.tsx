@@ -1,15 +1,15 @@
 /** One cell: what it was flown with, what came out, and its run. */
-import { Panel } from "../../app/Panel";
-import { Term } from "../../glossary/Term";
-import { go } from "../../app/route";
-import { useDoing } from "../../app/use-doing";
+import { Panel } from "../../ui/Panel";
+import { Term } from "../glossary/Term";
+import { go } from "../../store/route";
+import { useDoing } from "../../api/use-doing";
 import { runCell } from "../../api/service";
 import type { CommandRequest, StudyDetail, StudyRow } from "../../api/types";
 import { RoleButton } from "../access/RoleButton";
 import { PrepareButton } from "../commands/PrepareButton";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
-import { lookOf } from "../../theme/looks";
+import { lookOf } from "../glossary/class-style";
 import { axisName } from "./geometry";
 import styles from "./StudiesPage.module.css";
 

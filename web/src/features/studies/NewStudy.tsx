@@ -1,12 +1,12 @@
 /** The form that starts a study: the paper's, or one's own. */
 import { Button, Checkbox, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
-import { Panel } from "../../app/Panel";
+import { Panel } from "../../ui/Panel";
 import { Refusal } from "../../api/refusal";
 import { readNamedConfigurations, startStudy } from "../../api/service";
 import type { StudyEstimate, StudyRequest } from "../../api/types";
 import { useConfiguration } from "../../store/configuration";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import type { ChoiceOption } from "../../ui/options";
 import { SuggestInput } from "../../ui/SuggestInput";

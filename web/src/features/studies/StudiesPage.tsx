@@ -1,11 +1,11 @@
 /** Studies: start one, watch its map fill, and open what stands in it. */
 import { Progress } from "@mantine/core";
 import { useState } from "react";
-import { ConfirmButton } from "../../app/ConfirmButton";
-import { EmptyPage } from "../../app/EmptyPage";
-import { Panel } from "../../app/Panel";
-import { go } from "../../app/route";
-import { useDoing } from "../../app/use-doing";
+import { ConfirmButton } from "../../ui/ConfirmButton";
+import { EmptyPage } from "../../ui/EmptyPage";
+import { Panel } from "../../ui/Panel";
+import { go } from "../../store/route";
+import { useDoing } from "../../api/use-doing";
 import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
 import type { StudyDetail, StudySummary } from "../../api/types";
 import { fixed } from "../../units/units";

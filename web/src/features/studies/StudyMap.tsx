@@ -1,7 +1,7 @@
 /** The map of a grid study as one SVG: a panel for each value of the third axis, the published ones beside. */
 import { memo, type SVGProps } from "react";
 import type { StudyDetail, StudyRow } from "../../api/types";
-import { FAILED_LOOK, inOrder, lookOf } from "../../theme/looks";
+import { FAILED_LOOK, inOrder, lookOf } from "../glossary/class-style";
 import { FIGURE_FONT } from "../../ui/export/figure-file";
 import { shown as shownUnit, plain } from "../../units/units";
 import { axisTitle, geometryWith, LABEL_SIZE, LEGEND_MARGIN, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";

@@ -1,9 +1,9 @@
 /** How often each class came out, and how far that agrees with the paper. */
-import { Panel } from "../../app/Panel";
-import { Term } from "../../glossary/Term";
+import { Panel } from "../../ui/Panel";
+import { Term } from "../glossary/Term";
 import type { StudyDetail } from "../../api/types";
 import { fixed, plain, shown } from "../../units/units";
-import { lookOf } from "../../theme/looks";
+import { lookOf } from "../glossary/class-style";
 import styles from "./StudiesPage.module.css";
 
 const digits = (value: number): string => plain(Number(value.toPrecision(3)));

@@ -2,7 +2,7 @@
 import { scaleLinear, scaleLog } from "d3-scale";
 import { memo } from "react";
 import type { StudyDetail } from "../../api/types";
-import { FAILED_LOOK, lookOf } from "../../theme/looks";
+import { FAILED_LOOK, lookOf } from "../glossary/class-style";
 import { plain } from "../../units/units";
 import { axisTitle, LABEL_SIZE, LEGEND_STEP, legendPlaces, TITLE_SIZE, type Frame } from "./geometry";
 import type { Axis } from "./layout";

@@ -4,7 +4,7 @@ import { useElementSize } from "@mantine/hooks";
 import { useEffect, useState, type ReactNode } from "react";
 import { readPublishedTables, resultsAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
-import { DownloadLink } from "../../app/DownloadLink";
+import { DownloadLink } from "../../ui/DownloadLink";
 import { Choice } from "../../ui/Choice";
 import { ExportMenu } from "../../ui/export/ExportMenu";
 import { figureOf } from "./figure";

@@ -1,7 +1,7 @@
 /** A button that saves a figure as SVG, PNG or PDF. */
 import { ActionIcon, Button, Menu } from "@mantine/core";
 import { useState } from "react";
-import { Icon } from "../../theme/Icon";
+import { Icon } from "../theme/Icon";
 import { EscNote } from "../EscNote";
 import { FIGURE_FORMATS, saveFigure, type FigureFormat } from "./figure-file";
 

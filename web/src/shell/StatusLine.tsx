@@ -1,6 +1,6 @@
 /** How far the data are to be trusted, on every page; what is flown while they are, and what is amiss while not. */
 import { useSnapshot, useView } from "../store/context";
-import { isPhase, PHASE_WORDS } from "../store/phases";
+import { isPhase, PHASE_WORDS } from "../source/phases";
 import { LinkState } from "./LinkState";
 import styles from "./StatusLine.module.css";
 import { TrustNotice } from "./TrustNotice";

@@ -7,11 +7,11 @@ import { CommandDesk } from "../features/commands/desk";
 import { useDisarming } from "../features/commands/disarming";
 import { ConfigurationContext, useConfigurationState } from "../store/configuration";
 import { StoreContext } from "../store/context";
-import { surfaces, theme } from "../theme/theme";
+import { surfaces, theme } from "../ui/theme/theme";
 import styles from "./App.module.css";
-import { Boundary } from "./Boundary";
+import { Boundary } from "../ui/Boundary";
 import { useLiveMission } from "./live";
-import { PreferencesContext, usePreferencesState } from "./preferences";
+import { PreferencesContext, usePreferencesState } from "../units/preferences";
 import { Shell } from "./Shell";
 
 /** What every page shares of the live mission: its commands and its configuration. */

@@ -1,6 +1,6 @@
 /** Something asked of the service from a panel: whether it is under way, and what the service said against it. */
 import { useState } from "react";
-import { Refusal } from "../api/refusal";
+import { Refusal } from "./refusal";
 
 export type Doing = (work: () => Promise<unknown>) => Promise<void>;
 

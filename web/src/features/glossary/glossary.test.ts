@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { CLASSES } from "../theme/looks";
+import { CLASSES } from "./class-style";
 import { meaningOf } from "./glossary";
 
 describe("the glossary", () => {

@@ -3,9 +3,9 @@ import { useEffect, useState } from "react";
 import { Button } from "@mantine/core";
 import { useStore, useView } from "../store/context";
 import type { CutOff } from "../store/mission";
-import { Icon } from "../theme/Icon";
+import { Icon } from "../ui/theme/Icon";
 import { clock, fixed } from "../units/units";
-import { hashOf } from "./route";
+import { hashOf } from "../store/route";
 import styles from "./TrustNotice.module.css";
 
 /** What the notice says while the connection is as it is. */

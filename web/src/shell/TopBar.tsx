@@ -3,9 +3,9 @@ import { useState } from "react";
 import { addressOf } from "../api/address";
 import { Identity } from "../features/access/Identity";
 import { ControlState } from "../features/control/ControlState";
-import { Icon } from "../theme/Icon";
-import { usePreferences } from "./preferences";
-import { hashOf, PAGES, type Page } from "./route";
+import { Icon } from "../ui/theme/Icon";
+import { usePreferences } from "../units/preferences";
+import { hashOf, PAGES, type Page } from "../store/route";
 import styles from "./TopBar.module.css";
 
 function ThemeSwitch() {

@@ -1,5 +1,5 @@
 /** A file to take away. */
-import { Icon } from "../theme/Icon";
+import { Icon } from "./theme/Icon";
 import styles from "./DownloadLink.module.css";
 
 export function DownloadLink({ href, format, what }: { readonly href: string; readonly format: string; readonly what: string }) {
