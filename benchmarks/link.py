@@ -101,7 +101,7 @@ class Pair:
         """One capture with the robot begun anew."""
         self.robot.post("/restart", json={"pause": 0.2, "seed": seed}).raise_for_status()
         until(lambda: self.mission()["phase"] == "faulted", 5.0, "the console notices the restart")
-        self._begin()
+        self.begin()
         ended = until(self._ended, CAPTURE_TIME, "the capture ends")
         link = self.link()
         outcome = ended["outcome"] or {}
@@ -120,7 +120,7 @@ class Pair:
             "problem": [each["message"] for each in ended["problems"]] if ended["phase"] == "faulted" else [],
         }
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
         """Take the robot and capture; what was lost before the capture began is taken again, as an operator would."""
 
         def begun() -> bool:

@@ -3,6 +3,9 @@
 A real service flies one capture after another, and is stopped in the middle of each, while a load of
 `benchmarks.loads` runs in a process of its own. Obeyed is when the mission thread has stopped, by the mission's own
 record; from then on the commanded joint rates are zero. Figures are relative to the bound, 0.2 s.
+
+With `--link` the plant is an emulated robot in a process of its own, and obeyed is when *it* says that it follows no
+more commands; it is asked again and again, so a figure is up to a request's time too long.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -22,8 +26,10 @@ from typing import NamedTuple
 import httpx
 import numpy as np
 
+from benchmarks.link import Pair, pair
 from benchmarks.loads import LOADS, PATIENCE, client, library, under
 from benchmarks.service import Figures, Running, service
+from server.link.contract import RobotMode
 
 BOUND = 0.2
 """Within which STOP is obeyed [s]."""
@@ -71,6 +77,35 @@ def stop(http: httpx.Client, folder: Path) -> Try:
     obeyed = _recorded(folder, sent, time.monotonic() + PATIENCE)
     assert answer.status_code in (200, 504), answer.text
     return Try(obeyed - sent, answered)
+
+
+def link_stops(tries: int) -> list[Try]:
+    """STOP a capture of an emulated robot, so many times."""
+    found = []
+    with pair([], [], []) as both:
+        for number in range(tries):
+            both.begin()
+            time.sleep(0.3 + 0.05 * (number % 7))
+            found.append(_link_stop(both))
+    return found
+
+
+def _link_stop(both: Pair) -> Try:
+    """Send one, and ask the robot until it has obeyed."""
+    assert both.robot.get("/status").json()["mode"] == RobotMode.FOLLOWING
+    with ThreadPoolExecutor(1) as answering:
+        began = time.monotonic()
+        answer = answering.submit(_answered_at, both)
+        while both.robot.get("/status").json()["mode"] == RobotMode.FOLLOWING:
+            if time.monotonic() > began + PATIENCE:
+                raise AssertionError("STOP was never obeyed")
+        obeyed = time.monotonic()
+        return Try(obeyed - began, answer.result() - began)
+
+
+def _answered_at(both: Pair) -> float:
+    both.console.post("/api/v1/mission/stop").raise_for_status()
+    return time.monotonic()
 
 
 def _recorded(folder: Path, sent: float, until: float) -> float:
@@ -140,10 +175,15 @@ def main() -> int:
     parser.add_argument("--loads", default=",".join(LOADS), help="which, separated by commas")
     parser.add_argument("--tries", type=int, default=100, help="STOPs under each")
     parser.add_argument("--busy", type=int, default=0, help="processes that keep the cores busy meanwhile")
+    parser.add_argument("--link", action="store_true", help="an emulated robot, and no load but --busy")
     parser.add_argument("--port", default="0")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     arguments = parser.parse_args()
-    tables = measured(arguments.loads.split(","), arguments.tries, arguments.busy, ["--port", arguments.port])
+    if arguments.link:
+        with busy(arguments.busy):
+            tables = {"link": figures_of(link_stops(arguments.tries))}
+    else:
+        tables = measured(arguments.loads.split(","), arguments.tries, arguments.busy, ["--port", arguments.port])
     if arguments.json:
         print(json.dumps(tables, indent=2))
         return 0
