@@ -31,8 +31,8 @@ from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, revised
 from sim.control.phases import Command
 from sim.model.robot import chain, robot_model
-from sim.plant.plant import PLANT_STATE
-from sim.plant.pymunk_plant import AirTable, PymunkPlant
+from sim.plant.engine import simulated_plant
+from sim.plant.plant import PLANT_STATE, AirTable
 from sim.record import Record
 
 CONTACT_THRESHOLD = 0.12
@@ -44,9 +44,11 @@ IDEAL = Imperfections(**dict.fromkeys(Imperfections.model_fields, 0.0))
 class VirtualLink:
     """A robot behind its sensors, as a plant in virtual time."""
 
+    handle = None
+
     def __init__(self, config: MissionConfig, some: Imperfections, seed: int) -> None:
         table = AirTable(some.drag, GRAVITY * math.sin(some.tilt_x), GRAVITY * math.sin(some.tilt_y))
-        self.truth = PymunkPlant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
+        self.truth = simulated_plant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         self.state["tick"] = -1
         self._period = round(1e9 * config.control.period)
@@ -79,7 +81,8 @@ class VirtualLink:
         self._coming = wire.decode_command(wire.encode_command(wire.JointCommand(1, "s.1", joint_rate))).rate
 
     def _advance(self) -> wire.JointSample:
-        truth = self.truth.exchange(self._applied)
+        self.truth.command(self._applied)
+        truth = self.truth.state
         self._applied = self._coming
         self._cycle += 1
         stamp = self._cycle * self._period

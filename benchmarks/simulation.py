@@ -32,8 +32,8 @@ from sim.control.memory import MEMORY
 from sim.control.phases import Command, Phase, Sequence
 from sim.model.robot import LINKS, Chain, chain
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
-from sim.plant.plant import PLANT_STATE
-from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
+from sim.plant.plant import PLANT_STATE, advance_plant
+from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant
 from sim.record import Record, record_of
 
 ROUNDS = 5
@@ -69,7 +69,7 @@ def capture_speeds() -> dict[str, float]:
 
 
 @compiled
-def _bare_steps(handle: PlantHandle, dt: float, rates: FloatArray) -> None:
+def _bare_steps(handle: PymunkHandle, dt: float, rates: FloatArray) -> None:
     for tick in range(rates.shape[0]):
         for arm in range(2):
             for joint in range(3):
@@ -79,14 +79,14 @@ def _bare_steps(handle: PlantHandle, dt: float, rates: FloatArray) -> None:
 
 
 @compiled
-def _plant_ticks(handle: PlantHandle, parameters: Record, state: Record, rates: FloatArray) -> None:
+def _plant_ticks(handle: PymunkHandle, parameters: Record, state: Record, rates: FloatArray) -> None:
     for tick in range(rates.shape[0]):
         advance_plant(handle, parameters, rates[tick], state)
 
 
 @compiled
 def _judged_ticks(
-    handle: PlantHandle, parameters: Record, notes: Record, memory: Record, state: Record, flown: Ticks
+    handle: PymunkHandle, parameters: Record, notes: Record, memory: Record, state: Record, flown: Ticks
 ) -> None:
     for row in flown:
         judge(notes, memory, parameters, handle.robot, state, _seen(handle, state, row))
@@ -94,14 +94,14 @@ def _judged_ticks(
 
 @compiled
 def _controlled_ticks(
-    handle: PlantHandle, parameters: Record, transition: FloatArray, memory: Record, state: Record, flown: Ticks
+    handle: PymunkHandle, parameters: Record, transition: FloatArray, memory: Record, state: Record, flown: Ticks
 ) -> None:
     for row in flown:
         control(memory, parameters, transition, handle.robot, state, _seen(handle, state, row))
 
 
 @compiled
-def _seen(handle: PlantHandle, state: Record, row: Record) -> Chain:
+def _seen(handle: PymunkHandle, state: Record, row: Record) -> Chain:
     """The plant's state as a recorded tick has it, and its chain."""
     state.time = row.time
     state.base_pose[:], state.base_twist[:] = row.base_pose, row.base_twist

@@ -75,6 +75,13 @@ class HandMount(StrEnum):
     """One body with link 3."""
 
 
+class Engine(StrEnum):
+    """What simulates robot and target (`sim.plant.engine`)."""
+
+    PYMUNK = "pymunk"
+    """Ten rigid bodies held together by constraints (docs/decisions, findings)."""
+
+
 class OutcomeRule(StrEnum):
     """Which of a capture's two verdicts a study's table gives as its outcome; a run's is that at locked arms."""
 
@@ -550,8 +557,11 @@ class JudgingConfig(ConfigModel):
 
 
 class SimulationConfig(ConfigModel):
-    """The pymunk plant's numerics (docs/decisions, findings)."""
+    """What simulates the plant, and its numerics (docs/decisions, findings)."""
 
+    engine: Engine = parameter(
+        Engine.PYMUNK, "What simulates robot and target", unit="1", source="chosen: reproduces the paper"
+    )
     time_step: Number = parameter(
         1e-3, "Physics step; divides the control period", unit="s", source="authors: 1 ms", ge=1e-5, le=0.05
     )

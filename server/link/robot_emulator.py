@@ -30,7 +30,8 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised
 from sim.model.robot import chain, robot_model
-from sim.plant.pymunk_plant import AirTable, PymunkPlant
+from sim.plant.engine import simulated_plant
+from sim.plant.plant import AirTable
 
 GRAVITY = 9.81
 WAITING = 32
@@ -164,7 +165,7 @@ class _Robot:
         some = settings.imperfections
         table = AirTable(some.drag, GRAVITY * np.sin(some.tilt_x), GRAVITY * np.sin(some.tilt_y))
         # The table takes momentum and gives it, and that is no fault of the plant's.
-        self._plant = PymunkPlant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
+        self._plant = simulated_plant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
         self._model = robot_model(config.robot)
         self._period = config.control.period
         self._clock = clock
@@ -191,8 +192,9 @@ class _Robot:
 
     def _warm_up(self, config: MissionConfig, table: AirTable) -> None:
         """Load all compiled code before the schedule begins."""
-        plant = PymunkPlant(config, table)
-        state = plant.exchange(np.zeros((2, 3)))
+        plant = simulated_plant(config, table)
+        plant.command(np.zeros((2, 3)))
+        state = plant.state
         chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
 
     def run(self, stays: Callable[[], bool]) -> None:
@@ -262,7 +264,7 @@ class _Robot:
 
     def _move(self, now: int) -> None:
         """One control period of the plant; then the rates for the next one."""
-        self._plant.exchange(self._driven(self._applied))
+        self._plant.command(self._driven(self._applied))
         self._applied = self._gate.rates(now, self._period).copy()
 
     def _driven(self, rates: FloatArray) -> FloatArray:

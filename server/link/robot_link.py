@@ -13,6 +13,7 @@ import threading
 import time
 from typing import NamedTuple
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.link import contract, wire
@@ -31,7 +32,8 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.errors import LinkLost, MissionRefused
-from sim.plant.pymunk_plant import PymunkPlant
+from sim.plant.engine import simulated_plant
+from sim.plant.scripted_plant import ScriptedPlant
 from sim.record import Record
 
 REPEAT_PERIOD = 0.02
@@ -75,19 +77,6 @@ class Stop(NamedTuple):
     """`time.monotonic` [s]."""
 
 
-class _StillPlant:
-    """A plant that never moves, to run code once."""
-
-    def __init__(self, state: Record) -> None:
-        self.state = state
-
-    def observe(self) -> None:
-        """Leave the state as it is."""
-
-    def command(self, joint_rate: FloatArray) -> None:
-        """Do nothing."""
-
-
 class RobotLink:
     """The console's end of the link."""
 
@@ -122,10 +111,10 @@ class RobotLink:
         Also what others load later: an import holds all threads for longer than a robot waits.
         """
         importlib.import_module("scipy.stats")
-        plant = PymunkPlant(config)
+        plant = simulated_plant(config)
         joints = JointSample(0, plant.state["joint_angle"], plant.state["joint_rate"])
         Perception(config, 1.0).tell(joints, plant.state)
-        mission = Mission(config, _StillPlant(plant.state))
+        mission = Mission(config, ScriptedPlant(np.array([plant.state, plant.state])))
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
 

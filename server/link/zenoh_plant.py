@@ -54,6 +54,8 @@ def require_link_period(config: MissionConfig) -> None:
 class ZenohPlant:
     """One mission's robot. Owned by the mission thread."""
 
+    handle = None
+
     def __init__(self, link: RobotLink, config: MissionConfig) -> None:
         """Take the robot, tare its wrists if nobody has since its start, and see where it is.
 
@@ -88,6 +90,11 @@ class ZenohPlant:
     def state(self) -> Record:
         """As perceived at the joint state last observed."""
         return self._state
+
+    @property
+    def next_tick(self) -> int:
+        """The tick after the last one, which has been observed and commanded already."""
+        return int(self._state["tick"]) + 1
 
     def observe(self) -> None:
         """Wait for the next joint state and perceive the rest.

@@ -45,8 +45,8 @@ from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
 from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.model.robot import Chain, RobotModel, chain, robot_model
-from sim.plant.plant import PLANT_STATE, Plant
-from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant
+from sim.plant.engine import simulated_plant
+from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
 from sim.plant.sensing import Seen, is_noisy, sense
 from sim.record import Record, record_of
 
@@ -54,6 +54,7 @@ from sim.record import Record, record_of
 @compiled
 def fly(
     handle: PlantHandle,
+    robot: RobotModel,
     parameters: Record,
     transition: FloatArray,
     memory: Record,
@@ -69,7 +70,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(handle.robot, parameters, transition, memory, notes, state, seen, rows[place])
+        over = _decide(robot, parameters, transition, memory, notes, state, seen, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -200,7 +201,7 @@ class Mission:
     def __init__(self, config: MissionConfig, plant: Plant | None = None) -> None:
         """Begin where that plant stands.
 
-        Without one, a simulated plant is laid out as configured, at rest but for the target's motion.
+        Without one, a plant is laid out as configured, in the engine that is configured.
 
         Raises:
             ConfigError: the target overlaps the robot.
@@ -209,7 +210,7 @@ class Mission:
         if plant is None:
             require_clear_start(config)
         self.config = config
-        self._plant = PymunkPlant(config) if plant is None else plant
+        self._plant = simulated_plant(config) if plant is None else plant
         self._robot = robot_model(config.robot)
         self._parameters: Record = record_of(config)
         self._fault: PlantError | None = None
@@ -250,8 +251,7 @@ class Mission:
     @property
     def next_tick(self) -> int:
         """The tick that is flown next: what is granted now holds from it on."""
-        tick = int(self._plant.state["tick"])
-        return tick if isinstance(self._plant, PymunkPlant) else tick + 1  # observed and commanded already
+        return self._plant.next_tick
 
     @property
     def outcome(self) -> Outcome | None:
@@ -309,8 +309,7 @@ class Mission:
         if self._fault is not None:
             raise self._fault
         rows = np.zeros(ticks, TICK)
-        plant = self._plant
-        flown = self._fly(plant, rows) if isinstance(plant, PymunkPlant) else self._converse(plant, rows)
+        flown = self._fly(rows) if self._plant.handle is not None else self._advance_paced(rows)
         rows = rows[:flown]
         if flown:
             self._tell(rows)
@@ -319,10 +318,12 @@ class Mission:
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
         return rows
 
-    def _fly(self, plant: PymunkPlant, rows: Ticks) -> int:
-        """How many of the rows were flown in the simulation."""
+    def _fly(self, rows: Ticks) -> int:
+        """How many of the rows were flown with a plant that compiled code steps."""
+        plant = self._plant
         flown, finite = fly(
             plant.handle,
+            self._robot,
             self._parameters,
             self._transition,
             self._memory,
@@ -332,14 +333,12 @@ class Mission:
             rows,
         )
         if not finite:
-            self._fault = PlantDiverged(
-                f"the simulated state is not finite, or its momentum jumped, at {self.time:.3f} s",
-                tip="reset the mission",
-            )
+            self._fault = PlantDiverged(diverged_at(self.time), tip="reset the mission")
         return flown
 
-    def _converse(self, plant: Plant, rows: Ticks) -> int:
+    def _advance_paced(self, rows: Ticks) -> int:
         """How many of the rows were flown with a plant that keeps its own time."""
+        plant = self._plant
         for place in range(len(rows)):
             try:
                 plant.observe()

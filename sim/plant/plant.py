@@ -1,12 +1,20 @@
-"""A plant as the mission sees it: `PLANT_STATE` out, joint rates in, once a control period."""
+"""A plant as the mission sees it: `PLANT_STATE` out, commanded joint rates in, once a control period.
+
+A plant is a value of the protocol `Plant`. One that compiled code can step has a *handle*, a named tuple of its own
+class, and registers with `register_kernel` what a step of that handle does; `advance_plant` is generic in it: numba
+makes one version for each class of handle, and keeps it on disk like all compiled code.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numba.extending import overload
 
-from sim.compiled import FloatArray
+from sim.compiled import FloatArray, compiled
+from sim.model.generalized_jacobian import is_finite
 from sim.record import Record
 
 PLANT_STATE = np.dtype(
@@ -32,17 +40,30 @@ PLANT_STATE = np.dtype(
 )
 """What a plant reports; SI, world axes; arrays lead with the arm (left, right)."""
 
+PlantHandle = Any
+"""What compiled code steps a plant by: a named tuple of a class of the plant's own."""
+
 
 class Plant(Protocol):
     """Anything that can be flown, tick by tick: observe, decide, command."""
 
     @property
     def state(self) -> Record:
-        """The latest state, one element of `PLANT_STATE`; always the same element, changed by `observe`."""
+        """The latest state, one element of `PLANT_STATE`; always the same element, changed in place."""
+        ...
+
+    @property
+    def next_tick(self) -> int:
+        """The tick that is decided next: what is granted now holds from it on."""
+        ...
+
+    @property
+    def handle(self) -> PlantHandle | None:
+        """What compiled code steps the plant by; None for a plant that keeps its own time."""
         ...
 
     def observe(self) -> None:
-        """Wait for the next state.
+        """Wait for the state of the next tick; a simulated plant has it already.
 
         Raises:
             PlantError: the plant can no longer be trusted.
@@ -51,10 +72,106 @@ class Plant(Protocol):
         ...
 
     def command(self, joint_rate: FloatArray) -> None:
-        """Apply joint rates [rad/s], shape (2, 3), from now on; does not wait for what comes of it.
+        """Apply joint rates [rad/s], shape (2, 3), for one control period; a plant in real time does not wait for it.
 
         Raises:
             PlantError: the plant can no longer be trusted.
 
         """
         ...
+
+
+class AirTable(NamedTuple):
+    """What an air-bearing testbed adds to free floating; nothing, unless given."""
+
+    drag: float = 0.0
+    """Part of every body's velocity that is lost in a second, for small ones [1/s]."""
+    slope_x: float = 0.0
+    """Acceleration that the table's tilt gives every body, world axes [m/s2]."""
+    slope_y: float = 0.0
+    """Likewise."""
+
+
+class _Kernel(NamedTuple):
+    """Compiled functions of one class of handles."""
+
+    step: Callable[..., None]
+    momentum_size: Callable[..., float]
+
+
+_KERNELS: dict[type, _Kernel] = {}
+
+
+def register_kernel(handle: type, *, step: Callable[..., None], momentum_size: Callable[..., float]) -> None:
+    """Say what stepping a plant with that class of handle is.
+
+    Args:
+        handle: the named tuple's class.
+        step: compiled, `(handle, parameters, joint_rate, state)`: one physics step under joint rates [rad/s], shape
+            (2, 3); the state is read back.
+        momentum_size: compiled, `(handle) -> float`: the sum of the sizes of all bodies' momenta [N s, with N m s at
+            1 m], by which a jump of the total is judged.
+
+    """
+    _KERNELS[handle] = _Kernel(step, momentum_size)
+
+
+def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
+    """One physics step of the plant whose handle it is; compiled only."""
+    raise NotImplementedError
+
+
+def _momentum_size(handle: PlantHandle) -> float:
+    """The sum of the sizes of its bodies' momenta; compiled only."""
+    raise NotImplementedError
+
+
+def _overloads(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Numba's `overload`, which has no types of its own."""
+    result: Callable[[Callable[..., Any]], Callable[..., Any]] = overload(function)
+    return result
+
+
+@_overloads(_step)
+def _step_of(handle: Any, parameters: Any, joint_rate: Any, state: Any) -> Any:
+    kernel_step = _KERNELS[handle.instance_class].step
+
+    def step(handle: Any, parameters: Any, joint_rate: Any, state: Any) -> None:
+        kernel_step(handle, parameters, joint_rate, state)
+
+    return step
+
+
+@_overloads(_momentum_size)
+def _momentum_size_of(handle: Any) -> Any:
+    kernel_momentum_size = _KERNELS[handle.instance_class].momentum_size
+
+    def momentum_size(handle: Any) -> Any:
+        return kernel_momentum_size(handle)
+
+    return momentum_size
+
+
+@compiled
+def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
+    """Step a plant through one control period under joint rates [rad/s], shape (2, 3).
+
+    The state is read back after every step. Returns False if it can no longer be trusted: it is not finite, or
+    total momentum has jumped.
+    """
+    before = state.momentum.copy()
+    steps = round(parameters.control.period / parameters.simulation.time_step)
+    for _ in range(steps):
+        _step(handle, parameters, joint_rate, state)
+    state.tick += 1
+    state.time = state.tick * parameters.control.period
+    limit = parameters.simulation.momentum_jump_limit * _momentum_size(handle)
+    kept = True
+    for axis in range(3):
+        kept = kept and abs(state.momentum[axis] - before[axis]) <= limit
+    return kept and is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
+
+
+def diverged_at(time: float) -> str:
+    """What is said of a simulated plant that can no longer be trusted from that mission time on [s]."""
+    return f"the simulated state is not finite, or its momentum jumped, at {time:.3f} s"

@@ -19,7 +19,7 @@ from sim.compiled import FloatArray, compiled
 from sim.config import HandMount, MissionConfig
 from sim.errors import PlantDiverged
 from sim.model.clearance import hand_outline, initial_base_pose, initial_target_pose
-from sim.model.generalized_jacobian import free_flying_model, is_finite, joint_acceleration_under_contact
+from sim.model.generalized_jacobian import free_flying_model, joint_acceleration_under_contact
 from sim.model.planar import cross
 from sim.model.robot import (
     JOINTS,
@@ -50,7 +50,7 @@ from sim.plant.chipmunk import (
     get_vector,
 )
 from sim.plant.contact import tip_contact
-from sim.plant.plant import PLANT_STATE
+from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
 from sim.record import Record, code_of, record_of
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
@@ -74,7 +74,7 @@ def body_of(arm: int, link: int) -> int:
     return 1 + LINKS * arm + link
 
 
-class PlantHandle(NamedTuple):
+class PymunkHandle(NamedTuple):
     """What compiled code needs to step the space: addresses and constants, nothing that it may change but `solid`."""
 
     functions: IntArray
@@ -97,26 +97,11 @@ class PlantHandle(NamedTuple):
     """Forces and torques of this step's contacts on the bodies, shape (10, 3)."""
 
 
-class AirTable(NamedTuple):
-    """What an air-bearing testbed adds to free floating; nothing, unless given."""
-
-    drag: float = 0.0
-    """Part of every body's velocity that is lost in a second, for small ones [1/s]."""
-    slope_x: float = 0.0
-    """Acceleration that the table's tilt gives every body, world axes [m/s2]."""
-    slope_y: float = 0.0
-    """Likewise."""
-
-
 class PymunkPlant:
     """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
 
     def __init__(self, config: MissionConfig, table: AirTable | None = None) -> None:
-        """Robot and target as configured, floating free or on an air table.
-
-        A table takes momentum: `simulation.momentum_jump_limit` must leave room for what it takes in one period.
-        """
-        self._config = config
+        """Robot and target as configured, floating free or on an air table."""
         self.parameters: Record = record_of(config)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         robot, target = robot_model(config.robot), target_model(config.target)
@@ -128,7 +113,7 @@ class PymunkPlant:
         for joint in self._motors:
             self._space.add(*joint)
         self._watch_solid_contacts(solid)
-        self.handle = PlantHandle(
+        self.handle = PymunkHandle(
             functions=function_addresses(),
             space=address(self._space._space),
             bodies=np.array([address(body._body) for body in self._bodies]),
@@ -145,18 +130,23 @@ class PymunkPlant:
         )
         observe(self.handle, self.state)
 
-    def exchange(self, joint_rate: FloatArray) -> Record:
-        """Apply joint rates [rad/s], shape (2, 3), for one control period; the state after it.
+    @property
+    def next_tick(self) -> int:
+        """The tick whose joint rates are commanded next."""
+        return int(self.state["tick"])
+
+    def observe(self) -> None:
+        """Nothing to wait for: the state is that after the last command."""
+
+    def command(self, joint_rate: FloatArray) -> None:
+        """Step through one control period under joint rates [rad/s], shape (2, 3).
 
         Raises:
             PlantDiverged: the state is not finite, or total momentum jumped.
 
         """
         if not advance_plant(self.handle, self.parameters, joint_rate, self.state):
-            raise PlantDiverged(
-                f"the simulated state is not finite, or its momentum jumped, at {self.state['time']:.3f} s"
-            )
-        return self.state
+            raise PlantDiverged(diverged_at(float(self.state["time"])))
 
     def _watch_solid_contacts(self, solid: IntArray) -> None:
         for place, kind in enumerate((_BASE_TYPE, _ARM_TYPE)):
@@ -265,7 +255,7 @@ def _solid(shape: pymunk.Shape, kind: int) -> pymunk.Shape:
 
 
 @compiled
-def observe(handle: PlantHandle, state: Record) -> None:
+def observe(handle: PymunkHandle, state: Record) -> None:
     """Read the bodies into the plant's state: poses, twists, joints, momentum. Wrenches are left as they are."""
     _read_bodies(handle)
     pose, twist = handle.pose, handle.twist
@@ -290,27 +280,7 @@ def observe(handle: PlantHandle, state: Record) -> None:
 
 
 @compiled
-def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
-    """Step the space through one control period under joint rates [rad/s], shape (2, 3).
-
-    The state is read back after every step. Returns False if it can no longer be trusted: it is not finite, or
-    total momentum has jumped.
-    """
-    before = state.momentum.copy()
-    steps = round(parameters.control.period / parameters.simulation.time_step)
-    for _ in range(steps):
-        _step(handle, parameters, joint_rate, state)
-    state.tick += 1
-    state.time = state.tick * parameters.control.period
-    limit = parameters.simulation.momentum_jump_limit * _momentum_of_all_bodies(handle)
-    kept = True
-    for axis in range(3):
-        kept = kept and abs(state.momentum[axis] - before[axis]) <= limit
-    return kept and is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
-
-
-@compiled
-def _momentum_of_all_bodies(handle: PlantHandle) -> float:
+def _momentum_of_all_bodies(handle: PymunkHandle) -> float:
     """The sum of the sizes of all bodies' momenta, by which a jump is judged [N s, with N m s at 1 m]."""
     total = _STILL
     for body in range(BODIES):
@@ -320,7 +290,7 @@ def _momentum_of_all_bodies(handle: PlantHandle) -> float:
 
 
 @compiled
-def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
+def _step(handle: PymunkHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
     dt = parameters.simulation.time_step
     for body in range(BODIES):
         for axis in range(3):
@@ -337,7 +307,7 @@ def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state
 
 
 @compiled
-def _read_bodies(handle: PlantHandle) -> None:
+def _read_bodies(handle: PymunkHandle) -> None:
     """Observe poses and twists of all bodies."""
     pose, twist = handle.pose, handle.twist
     for body in range(BODIES):
@@ -349,7 +319,7 @@ def _read_bodies(handle: PlantHandle) -> None:
 
 
 @compiled
-def _tip_forces(handle: PlantHandle, parameters: Record, state: Record) -> bool:
+def _tip_forces(handle: PymunkHandle, parameters: Record, state: Record) -> bool:
     """Contact of all four tips at the predicted poses, into the state and as forces on the bodies; whether any is."""
     pose, twist, force = handle.predicted, handle.twist, handle.force
     force[:] = 0.0
@@ -395,7 +365,7 @@ def _hand_pose(robot: RobotModel, body_pose: FloatArray) -> FloatArray:
 
 @compiled
 def _drive_servos(
-    handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record, touching: bool
+    handle: PymunkHandle, parameters: Record, joint_rate: FloatArray, state: Record, touching: bool
 ) -> None:
     """Motor rates at the end of the step: a first-order lag to the command, giving way to contact wrenches.
 
@@ -417,7 +387,7 @@ def _drive_servos(
 
 
 @compiled
-def _acceleration(handle: PlantHandle, parameters: Record, state: Record) -> FloatArray:
+def _acceleration(handle: PymunkHandle, parameters: Record, state: Record) -> FloatArray:
     """H*^-1 J*^T F at the predicted poses, shape (8,) [rad/s2]."""
     pose = handle.predicted
     joint_angle, mount_angle = np.empty((2, JOINTS)), np.empty(2)
@@ -432,3 +402,6 @@ def _acceleration(handle: PlantHandle, parameters: Record, state: Record) -> Flo
     free_joints = 2 * JOINTS if parameters.robot.servo.hand_mount == _RIGID else 2 * LINKS
     inertia = inertia_matrix(handle.robot, pose[0], links)
     return joint_acceleration_under_contact(model, inertia, state.hand_wrench, free_joints)
+
+
+register_kernel(PymunkHandle, step=_step, momentum_size=_momentum_of_all_bodies)

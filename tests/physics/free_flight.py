@@ -16,7 +16,8 @@ from sim.model.generalized_jacobian import free_flying_model
 from sim.model.planar import rotated
 from sim.model.robot import JOINTS, LINKS, RobotModel, chain, robot_model
 from sim.plant.chipmunk import ANGLE, POSITION, get_scalar, get_vector
-from sim.plant.pymunk_plant import PlantHandle, PymunkPlant, advance_plant, body_of
+from sim.plant.plant import advance_plant
+from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant, body_of
 from sim.record import Record
 
 AMPLITUDE = np.array([[0.30, 0.45, 0.60], [0.25, 0.50, 0.40]])
@@ -59,7 +60,7 @@ def fly_freely(config: MissionConfig, seconds: float) -> Flight:
 
 @compiled
 def _fly(
-    handle: PlantHandle,
+    handle: PymunkHandle,
     parameters: Record,
     state: Record,
     amplitude: FloatArray,
@@ -84,7 +85,7 @@ def _fly(
 
 
 @compiled
-def largest_gap(handle: PlantHandle) -> float:
+def largest_gap(handle: PymunkHandle) -> float:
     """Largest distance [m] between the two anchors of a pivot, over all eight pivots."""
     worst = 0.0
     robot = handle.robot
@@ -103,7 +104,7 @@ def largest_gap(handle: PlantHandle) -> float:
 
 
 @compiled
-def _world(handle: PlantHandle, body: int, x: float, y: float) -> tuple[float, float]:
+def _world(handle: PymunkHandle, body: int, x: float, y: float) -> tuple[float, float]:
     bx, by = get_vector(handle.functions[POSITION], handle.bodies[body])
     dx, dy = rotated(get_scalar(handle.functions[ANGLE], handle.bodies[body]), x, y)
     return bx + dx, by + dy

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from flying import after
 
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
@@ -107,7 +108,7 @@ def bounce(damping: float, side: float = 1.0) -> tuple[float, float]:
     before = energy(plant)
     touched = False
     for _ in range(1000):
-        state = plant.exchange(np.zeros((2, 3)))
+        state = after(plant, np.zeros((2, 3)))
         touching = bool(state["tip_contact"].any())
         if touched and not touching:
             return before, energy(plant)

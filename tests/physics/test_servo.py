@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from flying import after
 from free_flight import remote_target
 
 from sim.config import HandMount, MissionConfig
@@ -30,7 +31,7 @@ COMMAND = np.array([[0.2, -0.3, 0.4], [-0.1, 0.25, 0.3]])
 
 def settled(plant: PymunkPlant, command, ticks: int) -> np.ndarray:
     """Joint rates after each of that many ticks, shape (ticks, 2, 3)."""
-    return np.array([plant.exchange(command)["joint_rate"].copy() for _ in range(ticks)])
+    return np.array([after(plant, command)["joint_rate"].copy() for _ in range(ticks)])
 
 
 @pytest.mark.parametrize("time_constant", [5e-3, 20e-3])
@@ -96,7 +97,7 @@ def test_hands_give_way_to_contact_by_the_stated_compliance(mount, iterations, t
     settled(plant, np.zeros((2, 3)), 10)
     measured = []
     for _ in range(10):
-        state = plant.exchange(np.zeros((2, 3)))
+        state = after(plant, np.zeros((2, 3)))
         measured.append(np.array([*state["joint_rate"].ravel(), *state["mount_rate"]]))
     expected = rates_given_way(plant, 8 if mount is HandMount.YIELDING else 6)
     assert np.hypot(*plant.state["hand_wrench"][1, :2]) > 0.5
@@ -123,7 +124,7 @@ def test_torque_stays_within_its_limit(limit):
     model = free_flying_model(robot, state["base_pose"], links)
     inertia = inertia_matrix(robot, state["base_pose"], links)
     reduced = inertia[3:, 3:] - inertia[:3, 3:].T @ model.base_reaction
-    plant.exchange(20.0 * COMMAND)
+    after(plant, 20.0 * COMMAND)
     change = np.array([*state["joint_rate"].ravel(), *state["mount_rate"]])
     torque = np.abs(reduced @ change) / config.simulation.time_step
     assert torque[:6].max() < limit * (1.0 + TORQUE)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from flying import after
 
 from server.link.perception import BodyEstimate, Noise, Perception
 from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
@@ -98,12 +99,12 @@ def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
 def test_a_state_that_is_told_back_is_the_state():
     plant = PymunkPlant(CONFIG)
     for _ in range(40):
-        truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]))
+        truth = after(plant, np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]))
     perception = Perception(CONFIG, 0.1)
     joints = JointSample(0, truth["joint_angle"].copy(), np.zeros((2, 3)))
     for step in range(120):
         stamp = step * PERIOD // 2
-        truth = plant.exchange(np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]) * math.cos(0.1 * step))
+        truth = after(plant, np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]) * math.cos(0.1 * step))
         before = joints.angle
         joints = JointSample(stamp, truth["joint_angle"].copy(), (truth["joint_angle"] - before) / 0.005)
         perception.take_joints(joints)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from flying import after
 
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
@@ -44,35 +45,32 @@ class TestStart:
         assert plant.state["momentum"] == pytest.approx([p, 0.0, -0.35 * p])
 
 
-class TestExchange:
+class TestCommand:
     def test_takes_one_control_period(self):
         plant = PymunkPlant(MissionConfig())
-        assert plant.exchange(STILL)["time"] == pytest.approx(1e-3)
+        assert after(plant, STILL)["time"] == pytest.approx(1e-3)
 
     def test_takes_as_many_physics_steps_as_the_period_has(self):
         config = revised(MissionConfig(), nested({"simulation.time_step": 0.1e-3, "target.initial_spin": 2.0}))
-        assert PymunkPlant(config).exchange(STILL)["target_pose"][2] == pytest.approx(2.0e-3)
+        assert after(PymunkPlant(config), STILL)["target_pose"][2] == pytest.approx(2.0e-3)
 
     def test_a_free_target_drifts_and_spins_on(self):
         plant = PymunkPlant(with_target(initial_velocity_y=0.05, initial_spin=0.7))
-        for _ in range(500):
-            state = plant.exchange(STILL)
+        state = after(plant, STILL, 500)
         assert state["target_pose"] == pytest.approx([0.0, 0.375, 0.35], abs=1e-9)
         assert state["target_twist"] == pytest.approx([0.0, 0.05, 0.7], abs=ROUNDING)
 
     def test_a_robot_at_rest_stays(self):
         plant = PymunkPlant(MissionConfig())
         before = plant.state["base_pose"].copy(), plant.state["joint_angle"].copy()
-        for _ in range(200):
-            state = plant.exchange(STILL)
+        state = after(plant, STILL, 200)
         assert state["base_pose"] == pytest.approx(before[0], abs=ROUNDING)
         assert state["joint_angle"] == pytest.approx(before[1], abs=ROUNDING)
 
     def test_joint_angles_are_those_of_the_chain(self):
         """The bodies and the model tell the same story: hands by the chain are where pymunk has them."""
         plant, rates = PymunkPlant(MissionConfig()), np.array([[0.3, -0.2, 0.5], [-0.4, 0.1, 0.2]])
-        for _ in range(500):
-            state = plant.exchange(rates)
+        state = after(plant, rates, 500)
         robot = robot_model(MissionConfig().robot)
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
         for arm in range(2):
@@ -82,26 +80,25 @@ class TestExchange:
 
     def test_the_base_reacts_to_the_arms(self):
         plant = PymunkPlant(MissionConfig())
-        for _ in range(500):
-            state = plant.exchange(np.array([[0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]))
+        state = after(plant, np.array([[0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]), 500)
         assert state["base_pose"][2] < -0.01
 
     def test_a_state_that_is_not_finite_is_refused(self):
         plant = PymunkPlant(MissionConfig())
         plant._bodies[0].angular_velocity = math.nan
         with pytest.raises(PlantDiverged, match="not finite, or its momentum jumped, at"):
-            plant.exchange(STILL)
+            after(plant, STILL)
 
 
 class TestContact:
     def test_none_at_the_start(self):
-        state = PymunkPlant(MissionConfig()).exchange(STILL)
+        state = after(PymunkPlant(MissionConfig()), STILL)
         assert not state["tip_contact"].any()
         assert not state["hand_wrench"].any()
 
     def test_of_a_tip_pushes_hand_and_target_apart(self):
         plant = PymunkPlant(with_target(initial_x=0.1984 - 0.09 + 1e-3, initial_y=0.385, initial_spin=0.0))
-        state = plant.exchange(STILL)
+        state = after(plant, STILL)
         assert state["tip_contact"].tolist() == [[0, 0], [1, 1]]
         assert state["hand_wrench"][1, 0] > 0.5
         assert state["target_twist"][0] < 0.0
@@ -110,7 +107,7 @@ class TestContact:
     def test_wrench_is_about_the_hand_centre(self):
         """The face's corner lies between the tips: only the inner tip is touched, and it turns the hand."""
         plant = PymunkPlant(with_target(initial_x=0.1984 - 0.09 + 1e-3, initial_y=0.30, initial_spin=0.0))
-        state = plant.exchange(STILL)
+        state = after(plant, STILL)
         (touching,) = np.flatnonzero(state["tip_contact"][1])
         arm = (2 * touching - 1) * MissionConfig().robot.arm.hand.tip_offset
         # Hand's x axis points along the world's y: tip 1 is above the centre, and a push to +x there turns it back.
@@ -118,8 +115,7 @@ class TestContact:
 
     def test_ends_and_leaves_no_force_behind(self):
         plant = PymunkPlant(with_target(initial_x=0.1984 - 0.09 + 1e-3, initial_y=0.385, initial_spin=0.0))
-        for _ in range(1500):
-            state = plant.exchange(STILL)
+        state = after(plant, STILL, 1500)
         assert not state["tip_contact"].any()
         assert not state["hand_wrench"].any()
 
@@ -127,7 +123,7 @@ class TestContact:
         plant = PymunkPlant(with_target(initial_y=0.17, initial_velocity_y=-0.2, initial_spin=0.0))
         told = False
         for _ in range(500):
-            state = plant.exchange(STILL)
+            state = after(plant, STILL)
             told = told or state["base_contact"] > 0
         assert told
         front = geometric_base_pose(MissionConfig(), state["base_pose"])[1] + 0.08
@@ -140,7 +136,7 @@ class TestContact:
         )
         told = False
         for _ in range(500):
-            state = plant.exchange(STILL)
+            state = after(plant, STILL)
             told = told or state["arm_contact"] > 0
         assert told
         assert state["target_pose"][0] < 0.23

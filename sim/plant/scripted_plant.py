@@ -1,0 +1,63 @@
+"""A plant that plays the states given to it and keeps what it is commanded.
+
+For tests and tools that want exact states in place of physics: `Mission(config, ScriptedPlant(states))`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.compiled import FloatArray
+from sim.errors import PlantError
+from sim.plant.plant import PLANT_STATE
+from sim.record import Record
+
+
+class ScriptedPlant:
+    """One that is observed as its script says, tick by tick, whatever it is commanded."""
+
+    handle = None
+
+    def __init__(self, states: np.ndarray[Any, np.dtype[Any]]) -> None:
+        """Stand before the first of the states, a non-empty array of `PLANT_STATE`.
+
+        Raises:
+            ValueError: there is none, or it is of another type.
+
+        """
+        if states.dtype != PLANT_STATE or not len(states):
+            raise ValueError(f"states = {states.dtype}, {len(states)} of them: an array of PLANT_STATE is needed")
+        self.commanded: list[FloatArray] = []
+        """The joint rates commanded so far [rad/s], one array of shape (2, 3) a tick."""
+        self._states = states
+        self._observed = 0
+        self._state: Record = states[:1].copy()[0]
+
+    @property
+    def state(self) -> Record:
+        """The latest state, one element of `PLANT_STATE`."""
+        return self._state
+
+    @property
+    def next_tick(self) -> int:
+        """The tick whose state is observed next."""
+        return int(self._states["tick"][min(self._observed, len(self._states) - 1)])
+
+    def observe(self) -> None:
+        """See the next state of the script.
+
+        Raises:
+            PlantError: the script is at its end.
+
+        """
+        if self._observed == len(self._states):
+            raise PlantError(f"the script has ended after {self._observed} states", tip="give it more states")
+        for name in PLANT_STATE.names or ():
+            self._state[name] = self._states[self._observed][name]
+        self._observed += 1
+
+    def command(self, joint_rate: FloatArray) -> None:
+        """Keep the joint rates [rad/s], shape (2, 3)."""
+        self.commanded.append(joint_rate.copy())
