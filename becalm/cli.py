@@ -24,10 +24,11 @@ from sim.configurations import (
     DEFAULT_CONFIGURATION,
     merged,
     named_configuration,
-    read_config_file,
     revised,
 )
 from sim.errors import CaptureError, ConfigError
+from sim.schema_history import Read
+from sim.stored import read_parameters_file
 
 EXAMPLES = """\b
 Examples:
@@ -187,8 +188,15 @@ def _configured(command: Any) -> Any:
 
 
 def _changes(file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
-    """The nested changes that a file and then the single settings make."""
-    return reduce(merged, map(parse_setting, settings), read_config_file(file) if file else {})
+    """The nested changes that a file and then the single settings make; what is ignored of the file is said."""
+    read = read_parameters_file(file) if file else Read({}, ())
+    _say(read.notices)
+    return reduce(merged, map(parse_setting, settings), read.values)
+
+
+def _say(notices: tuple[str, ...]) -> None:
+    for notice in notices:
+        click.echo(notice, err=True)
 
 
 main.add_command(token)
@@ -219,6 +227,7 @@ def serve(
     if as_json and not check:
         raise click.UsageError("--json goes with --check")
     chosen = choose(os.environ, settings_file, changes=_changes(file, settings), **flags)
+    _say(chosen.notices)
     if check:
         from becalm import checking  # noqa: PLC0415 - web and scene take a second to load
 

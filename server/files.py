@@ -8,16 +8,17 @@ import math
 import os
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic_core import from_json
+from pydantic_core import from_json, to_json
 
 from server.problems import StoredUnreadable
 from server.texts import shortened
+from sim.errors import ConfigError
 from sim.files import replacing
 
 M = TypeVar("M", bound=BaseModel)
@@ -43,13 +44,18 @@ def replace_file(path: Path, content: bytes, *, mode: int = 0o644) -> None:
         file.write(content)
 
 
-def read_document(path: Path, model: type[M], *, numbers: bool = True) -> M:
+Upgrade = Callable[[Any], Any]
+"""A JSON document of any version as today's, or a ConfigError; what is no document of that kind stays as it is."""
+
+
+def read_document(path: Path, model: type[M], *, numbers: bool = True, upgrade: Upgrade | None = None) -> M:
     """What a JSON file holds.
 
     Args:
         path: of the file.
         model: of what it holds.
         numbers: whether one that is not finite makes it damaged; else whoever reads on looks at them.
+        upgrade: makes of what any version stored what the model reads.
 
     Raises:
         FileNotFoundError: there is none.
@@ -58,10 +64,12 @@ def read_document(path: Path, model: type[M], *, numbers: bool = True) -> M:
     """
     try:
         content = _content(path)
-        document = model.model_validate_json(content)
+        document = _validated(content, model, upgrade)
         if numbers and not finite(from_json(content)):
             raise StoredUnreadable(f"{path.name} is damaged: a number in it is not finite")
         return document
+    except ConfigError as error:
+        raise StoredUnreadable(f"{path.name} cannot be read: {error}", tip=error.tip) from None
     except ValidationError as error:
         raise StoredUnreadable(f"{path.name} is damaged or of another version: {finding(error)}") from None
     except RecursionError:
@@ -74,13 +82,26 @@ def read_document(path: Path, model: type[M], *, numbers: bool = True) -> M:
         raise StoredUnreadable(f"{path.name} cannot be read: {error.strerror}") from error
 
 
-def read_lines(path: Path, model: type[M], *, strict: bool = False) -> Iterator[M]:
+def _validated(content: bytes, model: type[M], upgrade: Upgrade | None) -> M:
+    """A document of today's version, or one of any version through its upgrade."""
+    if upgrade is not None:
+        try:
+            content = to_json(upgrade(from_json(content)))
+        except ConfigError:
+            raise
+        except ValueError:  # it is no JSON at all: the model says where
+            return model.model_validate_json(content)
+    return model.model_validate_json(content)
+
+
+def read_lines(path: Path, model: type[M], *, strict: bool = False, upgrade: Upgrade | None = None) -> Iterator[M]:
     """What each line of a file of JSON lines holds; nothing if there is none. A last line without an end is left out.
 
     Args:
         path: of the file.
         model: of one line.
         strict: whether a line that cannot be read ends it all; else it is left out, and the service's log says so.
+        upgrade: makes of what any version stored what the model reads.
 
     Raises:
         StoredUnreadable: the file cannot be read, or with `strict` a line of it.
@@ -89,10 +110,10 @@ def read_lines(path: Path, model: type[M], *, strict: bool = False) -> Iterator[
     damaged = 0
     for number, line in enumerate(_lines(path), 1):
         try:
-            document = model.model_validate_json(line)
+            document = _validated(line, model, upgrade)
             if not finite(from_json(line)):
                 raise ValueError("a number in it is not finite")
-        except (ValueError, RecursionError) as error:
+        except (ValueError, RecursionError, ConfigError) as error:
             if strict:
                 why = finding(error) if isinstance(error, ValidationError) else str(error)
                 raise StoredUnreadable(f"line {number} of {path.name} is damaged: {why}") from None

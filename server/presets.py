@@ -15,6 +15,9 @@ from server.texts import shortened
 from sim.capture.snapshot import Published
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
+from sim.errors import ConfigError
+from sim.schema_history import VERSION, config_version
+from sim.stored import read_parameters
 
 NAME = r"[^\W_][\w .+-]{0,39}"
 """Letters, digits, spaces and a few signs; begins with a letter or digit."""
@@ -30,6 +33,10 @@ class Preset(Published):
     )
     who: str = Field(description="Who kept it last")
     at: str = Field(description="When, ISO 8601 in UTC")
+    version: int = Field(default_factory=config_version, description="Of the parameters' names")
+    notices: tuple[str, ...] = Field(
+        (), exclude=True, description="What this version ignores of what an earlier one kept, and why"
+    )
 
     def config(self) -> MissionConfig:
         """The whole of it.
@@ -121,14 +128,29 @@ class PresetStore:
 
 def _preset(entry: Any, place: int) -> Preset | UnreadablePreset:
     try:
-        preset = Preset.model_validate(entry)
+        preset = Preset.model_validate(_of_today(entry))
     except ValidationError as error:
         reason = finding(error)
+    except ConfigError as error:
+        reason = str(error)
     else:
         if finite(entry):
             return preset
         reason = "a number in it is not finite"
     return UnreadablePreset(shortened(_name(entry) or f"number {place}"), reason)
+
+
+def _of_today(entry: Any) -> Any:
+    """A preset of any version, with its changes under the names of today.
+
+    Raises:
+        ConfigError: it is of a later version.
+
+    """
+    if not isinstance(entry, dict) or not isinstance(entry.get("changes"), dict):
+        return entry
+    changes = read_parameters({VERSION: entry.get(VERSION, 1), **entry["changes"]})
+    return {**entry, "changes": changes.values, VERSION: config_version(), "notices": changes.notices}
 
 
 def _name(entry: Any) -> str | None:

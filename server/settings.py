@@ -20,6 +20,8 @@ from server.link.bounds import Bounds, ListedBounds, ListedFrame, WristFrame
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised
 from sim.errors import ConfigError
+from sim.schema_history import Read
+from sim.stored import in_file
 from sim.study.cores import cores
 
 ENVIRONMENT_PREFIX = "BECALM_"
@@ -195,6 +197,8 @@ class Chosen(NamedTuple):
     settings: Settings
     sources: dict[str, str]
     """By name: the option, the variable or the file that says so; what no source names is a default."""
+    notices: tuple[str, ...] = ()
+    """What is ignored of the changes in a settings file of an earlier version, and why."""
 
 
 def choose(environment: Mapping[str, str], file: Path | None = None, **flags: Any) -> Chosen:
@@ -211,26 +215,35 @@ def choose(environment: Mapping[str, str], file: Path | None = None, **flags: An
     """
     values: dict[str, Any] = {}
     sources: dict[str, str] = {}
-    for where, given in _layers(environment, file, flags):
+    notices: tuple[str, ...] = ()
+    for where, (given, ignored) in _layers(environment, file, flags):
+        notices += ignored
         for name, value in given.items():
             values[name] = merged(values.get(name, {}), value) if name == "changes" and value else value
             sources[name] = where.format(option=name.replace("_", "-"), variable=_variable(name))
     try:
-        return Chosen(Settings(**values), sources)
+        return Chosen(Settings(**values), sources, notices)
     except ValidationError as error:
         raise ConfigError(_explained(error, sources), tip="becalm serve --help lists every setting") from None
 
 
-def _layers(
-    environment: Mapping[str, str], file: Path | None, flags: Mapping[str, Any]
-) -> Iterator[tuple[str, dict[str, Any]]]:
+def _layers(environment: Mapping[str, str], file: Path | None, flags: Mapping[str, Any]) -> Iterator[tuple[str, Read]]:
     """What each source says, with the source's name; the weakest first."""
     named = file or environment.get(SETTINGS_FILE)
     if named:
-        yield str(named), read_config_file(Path(named), "settings file")
+        yield str(named), _settings_file(Path(named))
     texts = {name: environment.get(_variable(name)) for name in Settings.model_fields if name != "changes"}
-    yield "{variable}", {name: text for name, text in texts.items() if text}
-    yield "--{option}", {name: value for name, value in flags.items() if value not in (None, {})}
+    yield "{variable}", Read({name: text for name, text in texts.items() if text}, ())
+    yield "--{option}", Read({name: value for name, value in flags.items() if value not in (None, {})}, ())
+
+
+def _settings_file(path: Path) -> Read:
+    """The settings in a file, with its changes to parameters under the names of today."""
+    settings = read_config_file(path, "settings file")
+    if not isinstance(settings.get("changes"), dict):
+        return Read(settings, ())
+    changes = in_file(path, settings["changes"], "settings file")
+    return Read({**settings, "changes": changes.values}, changes.notices)
 
 
 def _variable(name: str) -> str:

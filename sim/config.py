@@ -14,10 +14,22 @@ from collections.abc import Iterator, Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
+
+from sim.schema_history import VERSION, config_version
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 WholeNumber = Annotated[int, Field(strict=True)]
+
+
+def _todays(version: int) -> int:
+    if version != config_version():
+        raise ValueError(f"parameters have the names of version {config_version()} here")
+    return version
+
+
+NamesVersion = Annotated[WholeNumber, AfterValidator(_todays)]
+"""Of the parameters' names: today's; what was stored under others is read by `sim.stored`."""
 
 _MOST_STEPS = 100
 """Physics steps in one tick: what a live mission can still be stopped between."""
@@ -605,6 +617,9 @@ class SimulationConfig(ConfigModel):
 class MissionConfig(ConfigModel):
     """Everything that a run depends on; stored with it."""
 
+    version: NamesVersion = Field(
+        default_factory=config_version, description="Of the parameters' names (`sim.schema_history`)"
+    )
     robot: RobotConfig = RobotConfig()
     target: TargetConfig = TargetConfig()
     contact: ContactConfig = ContactConfig()
@@ -640,7 +655,7 @@ def parameters_of(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[st
     for name, field in model.model_fields.items():
         if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
             yield from parameters_of(field.annotation, f"{prefix}{name}.")
-        else:
+        elif name != VERSION:
             yield prefix + name, field
 
 

@@ -31,6 +31,7 @@ from sim.config import (
 )
 from sim.errors import ConfigError
 from sim.model.clearance import initial_overlap
+from sim.schema_history import PARAMETER_CHANGES, change_of
 
 MOST_CHANGES = 4 * len(PARAMETERS)
 """Names that one nested mapping of changes may hold, groups included."""
@@ -108,13 +109,20 @@ def named_configuration(name: str) -> MissionConfig:
 
 
 def nested(paths: Mapping[str, Any]) -> dict[str, Any]:
-    """Full paths to values, as the nested mapping that the models read."""
+    """Full paths to values, as the nested mapping that the models read.
+
+    Raises:
+        ConfigError: a value stands in the place of a group.
+
+    """
     tree: dict[str, Any] = {}
     for path, value in paths.items():
         branch = tree
         *groups, leaf = path.split(".")
         for group in groups:
             branch = branch.setdefault(group, {})
+            if not isinstance(branch, dict):
+                raise ConfigError(f"{shortened(path)}: {shortened(group)} is a group, and is given as a value, too")
         branch[leaf] = value
     return tree
 
@@ -242,8 +250,11 @@ def bracketed_unit(path: str) -> str:
 
 
 def unknown_parameter(path: str) -> str:
-    """That no parameter has this path, and which one may be meant."""
+    """That no parameter has this path, and how it is called now, why it is gone, or which one may be meant."""
+    change = change_of(path, PARAMETER_CHANGES)
     path = shortened(path)
+    if change is not None:
+        return f"{path} is no longer a parameter: " + (change.why if change.new is None else f"it is {change.new} now")
     close = difflib.get_close_matches(path, PARAMETERS, n=1)
     return f"{path} is not a parameter" + (f"; did you mean {close[0]}?" if close else "")
 

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from sim.schema_history import VERSION
+
 Record = Any
 """One element of a structured array: fields by name, in Python as `record["name"]`, compiled as `record.name`."""
 
@@ -15,8 +17,8 @@ Record = Any
 def dtype_of(model: type[BaseModel]) -> np.dtype[Any]:
     """The record type of a configuration model: floats, integers, choices as the order of their enum, nested models."""
     fields: list[tuple[str, Any]] = []
-    for name, field in model.model_fields.items():
-        annotation = field.annotation
+    for name in _names(model):
+        annotation = model.model_fields[name].annotation
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             fields.append((name, dtype_of(annotation)))
         elif isinstance(annotation, type) and issubclass(annotation, StrEnum):
@@ -36,9 +38,14 @@ def code_of(choice: StrEnum) -> int:
     return list(type(choice)).index(choice)
 
 
+def _names(model: type[BaseModel]) -> list[str]:
+    """The fields that are numbers or choices; the version of their names is neither."""
+    return [name for name in model.model_fields if name != VERSION]
+
+
 def _values(model: BaseModel) -> tuple[Any, ...]:
     values: list[Any] = []
-    for name in type(model).model_fields:
+    for name in _names(type(model)):
         value = getattr(model, name)
         if isinstance(value, BaseModel):
             values.append(_values(value))

@@ -40,6 +40,7 @@ class KeptPreset(BaseModel):
     preset: Preset | None = Field(description="Null if it is damaged, or of another version")
     config: MissionConfig | None = Field(description="Null if this version of Becalm cannot fly it")
     refusal: str | None = Field(description="Why not")
+    notices: tuple[str, ...] = Field(description="What this version ignores of it, and why")
 
 
 @router.get("", responses=responses(409, 422))
@@ -65,8 +66,10 @@ async def remove_preset(services: ServicesDep, name: PresetName) -> Response:
 
 def _kept(preset: Preset | UnreadablePreset) -> KeptPreset:
     if isinstance(preset, UnreadablePreset):
-        return KeptPreset(name=preset.name, preset=None, config=None, refusal=preset.reason)
+        return KeptPreset(name=preset.name, preset=None, config=None, refusal=preset.reason, notices=())
+    config, refusal = None, None
     try:
-        return KeptPreset(name=preset.name, preset=preset, config=preset.config(), refusal=None)
+        config = preset.config()
     except ConfigError as error:
-        return KeptPreset(name=preset.name, preset=preset, config=None, refusal=str(error))
+        refusal = str(error)
+    return KeptPreset(name=preset.name, preset=preset, config=config, refusal=refusal, notices=preset.notices)

@@ -50,7 +50,7 @@ def test_each_source_wins_over_those_before_it(tmp_path):
     file = tmp_path / "lab.toml"
     file.write_text('host = "10.0.0.1"\nport = 1\nkeep_days = 3\nallowed_hosts = ["lab.example"]\n')
     environment = {"BECALM_SETTINGS": str(file), "BECALM_PORT": "2", "BECALM_KEEP_DAYS": "4"}
-    settings, sources = choose(environment, keep_days="5")
+    settings, sources, _ = choose(environment, keep_days="5")
     assert (settings.host, settings.port, settings.keep_days) == ("10.0.0.1", 2, 5.0)
     assert settings.allowed_hosts == ("lab.example",)
     assert sources == {
