@@ -21,7 +21,7 @@ from server.runs import new_run_id
 from server.texts import shortened
 from server.versions import versions
 from sim.capture.snapshot import Published
-from sim.study.design import Study, study_of
+from sim.study.design import Study, definition_of_today, study_of
 from sim.study.table import StudyRows
 
 StudyStatus = Literal["queued", "running", "finished", "failed", "cancelled"]
@@ -46,6 +46,9 @@ class StudyRecord(Published):
     wall_time: float = Field(0.0, description="Flown until then, over all beginnings [s]")
     note: str | None = Field(None, description="Why it failed")
     versions: dict[str, str] = Field(default_factory=versions)
+    notices: tuple[str, ...] = Field(
+        (), exclude=True, description="What this version ignores of what an earlier one stored, and why"
+    )
 
     @field_validator("created")
     @classmethod
@@ -61,12 +64,25 @@ class StudyRecord(Published):
             ConfigError: this version of Becalm has no such study.
 
         """
-        return study_of(self.definition)
+        return study_of(self.definition, stored=True)
 
     @property
     def ended_already(self) -> bool:
         """Whether nothing flies or waits."""
         return self.status not in ("queued", "running")
+
+
+def _of_today(stored: Any) -> Any:
+    """A study's record of any version, with its definition under the names of today.
+
+    Raises:
+        ConfigError: it is of a later version.
+
+    """
+    if not isinstance(stored, dict) or not isinstance(stored.get("definition"), dict):
+        return stored
+    definition = definition_of_today(stored["definition"])
+    return {**stored, "definition": definition.values, "notices": definition.notices}
 
 
 class StudyStore:
@@ -105,7 +121,7 @@ class StudyStore:
 
         """
         try:
-            record = read_document(self._folder(study_id) / RECORD_NAME, StudyRecord)
+            record = read_document(self._folder(study_id) / RECORD_NAME, StudyRecord, upgrade=_of_today)
         except FileNotFoundError:
             raise _not_found(study_id) from None
         if record.id != study_id:

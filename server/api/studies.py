@@ -23,8 +23,7 @@ from server.live_mission import display_name
 from server.problems import StudyNotFound
 from server.runs import new_record
 from server.studies import StudyRecord, StudyStatus, StudyStore
-from sim.config import PARAMETERS
-from sim.study.axes import Distribution, SampleMethod, Value
+from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
 from sim.study.design import Study, altered, configured, study_of
 from sim.study.export import TableFormat, export
 from sim.study.flight import MANY_CELLS, Progress
@@ -110,6 +109,7 @@ class StudySummary(BaseModel):
     created: str = Field(description="ISO 8601, UTC")
     ended: str | None
     note: str | None = Field(description="Why it failed")
+    notices: tuple[str, ...] = Field(description="What this version ignores of what an earlier one stored, and why")
     progress: Progress
     versions: dict[str, str]
 
@@ -353,7 +353,7 @@ def _requested(body: StudyRequest) -> Study:
 
 def _summary(services: Services, record: StudyRecord) -> StudySummary:
     shared = record.model_dump(include=set(StudySummary.model_fields))
-    return StudySummary(**shared, progress=services.study_queue.progress(record))
+    return StudySummary(**shared, notices=record.notices, progress=services.study_queue.progress(record))
 
 
 def _detail(services: Services, record: StudyRecord) -> StudyDetail:
@@ -383,8 +383,8 @@ def _axes(of: Study) -> list[StudyAxis]:
     return [
         StudyAxis(
             path=path,
-            unit=PARAMETERS[path].json_schema_extra["unit"],
-            description=PARAMETERS[path].description,
+            unit=parameter_words(path)[0],
+            description=parameter_words(path)[1],
             count=len(of.levels[path]) if path in of.levels else None,
             values=list(of.levels[path]) if path in of.levels else None,
             drawn_from=drawn.get(path),

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from enum import StrEnum
 from functools import cache
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, cast
 
 import numpy as np
 import scipy
@@ -28,6 +28,7 @@ from pydantic import (
 from sim.compiled import FloatArray
 from sim.config import PARAMETERS, Number, WholeNumber
 from sim.configurations import bracketed_unit, unknown_parameter
+from sim.schema_history import PARAMETER_CHANGES, change_of
 
 Value = float | int | str
 """Of a parameter: a number, a whole number, or the name of a choice."""
@@ -227,12 +228,18 @@ def _adapter(path: str) -> TypeAdapter[Any]:
 
 def is_whole(path: str) -> bool:
     """Whether that parameter takes whole numbers only."""
-    return PARAMETERS[path].annotation is int
+    return path in PARAMETERS and PARAMETERS[path].annotation is int
 
 
 def is_number(path: str) -> bool:
-    """Whether that parameter takes any number between its bounds."""
-    return PARAMETERS[path].annotation is float
+    """Whether that parameter takes any number between its bounds; of one that is gone any value is kept."""
+    return path not in PARAMETERS or PARAMETERS[path].annotation is float
+
+
+def why_gone(path: str) -> str | None:
+    """Why a parameter that there has been is gone; None of one that there is, and of one that there never was."""
+    change = change_of(path, PARAMETER_CHANGES)
+    return None if change is None or change.new is not None else change.why
 
 
 def require_parameter(path: str, where: str) -> None:
@@ -247,12 +254,14 @@ def require_parameter(path: str, where: str) -> None:
 
 
 def checked(path: str, value: Any, where: str) -> Value:
-    """The value as that parameter keeps it: within its bounds, and of its type.
+    """The value as that parameter keeps it: within its bounds, and of its type; as it is, of one that is gone.
 
     Raises:
         ValueError: it is not; the message names parameter, value, bound and unit.
 
     """
+    if path not in PARAMETERS:
+        return cast(Value, value)
     if is_whole(path) and isinstance(value, float) and value.is_integer():
         value = int(value)
     try:
@@ -261,3 +270,11 @@ def checked(path: str, value: Any, where: str) -> Value:
         problem = error.errors(include_url=False)[0]["msg"]
         raise ValueError(f"{where}.{path} = {value!r}: {problem}{bracketed_unit(path)}") from None
     return kept.value if isinstance(kept, StrEnum) else kept
+
+
+def parameter_words(path: str) -> tuple[str, str]:
+    """Unit and description of that parameter; of one that is gone why it is."""
+    if path not in PARAMETERS:
+        return "1", f"No longer a parameter: {why_gone(path)}"
+    field = PARAMETERS[path]
+    return field.json_schema_extra["unit"], field.description

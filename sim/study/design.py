@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
+from pydantic import Field, JsonValue, ValidationError, ValidationInfo, field_validator, model_validator
 
-from sim.config import MissionConfig, WholeNumber
+from sim.config import MissionConfig, NamesVersion, WholeNumber
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
     named_configuration,
@@ -26,9 +26,30 @@ from sim.configurations import (
     revised,
 )
 from sim.errors import ConfigError
-from sim.study.axes import Axis, Distribution, Samples, StudyModel, Value, checked, is_number, require_parameter
+from sim.schema_history import (
+    PARAMETER_CHANGES,
+    VERSION,
+    Read,
+    config_version,
+    require_known_version,
+    under_todays_names,
+)
+from sim.study.axes import (
+    Axis,
+    Distribution,
+    Samples,
+    StudyModel,
+    Value,
+    checked,
+    is_number,
+    require_parameter,
+    why_gone,
+)
 
 SEED = "simulation.seed"
+
+_STORED = "stored"
+"""Context in which a definition is read that some version has flown."""
 
 _AXIS_WORDS = {name for model in (Axis, Distribution) for name in model.model_fields} | {"from", "to"}
 _FOR_POINTS, _FOR_CELLS = 0, 1  # two streams of one seed
@@ -53,6 +74,7 @@ class Study(StudyModel):
     grid changes faster than the first, the sample's points fastest.
     """
 
+    version: NamesVersion = Field(default_factory=config_version, description="Of the parameters' names")
     name: str = Field("study", min_length=1)
     description: str = ""
     configuration: str = DEFAULT_CONFIGURATION
@@ -75,9 +97,10 @@ class Study(StudyModel):
         return given
 
     @model_validator(mode="after")
-    def _is_possible(self) -> Self:
+    def _is_possible(self, info: ValidationInfo) -> Self:
         if not self.varied:
             raise ValueError("the study varies nothing; give it a grid or samples")
+        self._require_parameters(stored=info.context == _STORED)
         self._require_each_path_once()
         for path in self.grid:
             _require_distinct(path, self.levels[path])
@@ -88,11 +111,16 @@ class Study(StudyModel):
             raise ValueError(str(error)) from None
         return self
 
-    def _require_each_path_once(self) -> None:
+    def _require_parameters(self, *, stored: bool) -> None:
+        """What a stored study varied stays as it was, also if it is gone since: its rows are read all the same."""
         sampled = self.samples.over if self.samples else {}
         for where, paths in (("grid", self.grid), ("samples.over", sampled), ("changes", self.changes)):
             for path in paths:
-                require_parameter(path, where)
+                if not (stored and why_gone(path)):
+                    require_parameter(path, where)
+
+    def _require_each_path_once(self) -> None:
+        sampled = self.samples.over if self.samples else {}
         for path in self.varied:
             if path in self.changes:
                 raise ValueError(f"{path} is varied by the study; it cannot be set to {self.changes[path]!r} as well")
@@ -199,15 +227,43 @@ def flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def study_of(definition: Mapping[str, Any]) -> Study:
+def definition_of_today(stored: Mapping[str, Any]) -> Read:
+    """A study's definition of any version, under the names of today; a gone parameter that it varies keeps its name.
+
+    Raises:
+        ConfigError: it is of a later version, or a value stands under two names.
+
+    """
+    require_known_version(stored.get(VERSION, 1))
+    values = {**stored, VERSION: config_version()}
+    notices: tuple[str, ...] = ()
+    if isinstance(changes := stored.get("changes"), Mapping):
+        values["changes"], notices = under_todays_names(flattened(changes), PARAMETER_CHANGES)
+    if isinstance(grid := stored.get("grid"), Mapping):
+        values["grid"] = _varied_of_today(flattened(grid))
+    if isinstance(samples := stored.get("samples"), Mapping) and isinstance(over := samples.get("over"), Mapping):
+        values["samples"] = {**samples, "over": _varied_of_today(flattened(over))}
+    return Read(values, notices)
+
+
+def _varied_of_today(paths: Mapping[str, Any]) -> dict[str, Any]:
+    """In the same order, which is that of the cells."""
+    return under_todays_names(paths, [change for change in PARAMETER_CHANGES if change.new is not None]).values
+
+
+def study_of(definition: Mapping[str, Any], *, stored: bool = False) -> Study:
     """The study that a file, a script or a request defines.
+
+    Args:
+        definition: under the names of today.
+        stored: it was flown by some version: parameters that it varies may be gone since.
 
     Raises:
         ConfigError: it cannot be; the message names field, value and bound.
 
     """
     try:
-        return Study.model_validate(dict(definition))
+        return Study.model_validate(dict(definition), context=_STORED if stored else None)
     except ValidationError as error:
         raise ConfigError("; ".join(map(_told, error.errors(include_url=False)))) from None
 
@@ -233,7 +289,8 @@ def read_study(path: Path) -> Study:
         ConfigError: the file cannot be read, or the study in it cannot be.
 
     """
-    return study_of({"name": path.stem, **read_config_file(path, "study file")})
+    read = definition_of_today(read_config_file(path, "study file"))
+    return study_of({"name": path.stem, **read.values})
 
 
 def _told(finding: Any) -> str:

@@ -10,6 +10,7 @@ from sim.capture.run import run_capture
 from sim.capture.snapshot import Outcome, Touch
 from sim.config import PARAMETERS, MissionConfig, OutcomeRule
 from sim.errors import CaptureError
+from sim.study.axes import parameter_words
 from sim.study.design import Cell, Study, configured
 from sim.study.watch import Watch
 
@@ -67,9 +68,8 @@ def columns(study: Study) -> tuple[Column, ...]:
 
 
 def _varied_column(path: str) -> Column:
-    field = PARAMETERS[path]
-    kind = field.annotation if field.annotation in (float, int) else str
-    return Column(path, kind, field.json_schema_extra["unit"], field.description)
+    kind = PARAMETERS[path].annotation if path in PARAMETERS else float
+    return Column(path, kind if kind in (float, int) else str, *parameter_words(path))
 
 
 @dataclass(frozen=True)

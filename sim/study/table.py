@@ -10,20 +10,22 @@ import hashlib
 import json
 import platform
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from sim.claim import Claim
 from sim.errors import CaptureError
+from sim.schema_history import MEASURE_CHANGES, PARAMETER_CHANGES, change_of, former_names
 from sim.study.design import Study
 from sim.study.run import Column, Row, columns
 
 _SQL_TYPES = {float: "REAL", int: "INTEGER", bool: "INTEGER", str: "TEXT"}
+_KINDS: dict[str, Any] = {"REAL": float, "INTEGER": int, "TEXT": str}
 _NUMERIC_PACKAGES = ("numba", "numpy", "pymunk", "scipy")
 _SIM = Path(__file__).parents[1]
 
@@ -42,41 +44,106 @@ class KeptRow(NamedTuple):
     row: dict[str, Any]
 
 
+class _Stored(NamedTuple):
+    """A column as it is read, and the one of the table that it is in."""
+
+    column: Column
+    name: str | None
+    """None if the table, of an earlier version, has none for it: its values are absent."""
+
+
 class StudyRows:
-    """What a table holds until now; reads it also while another thread or process writes it."""
+    """What a table holds until now; reads it also while another thread or process writes it.
+
+    A table of an earlier version is read by the columns that it has: those that were renamed since under their names
+    of today, those that it lacks as absent (None), and after them those that today's version does not know.
+    """
 
     def __init__(self, path: Path, study: Study) -> None:
         self.path = path
         self.study = study
-        self.columns = columns(study)
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Those of today's version, and those that only this table has.
+
+        Raises:
+            TableUnusable: the file is no table.
+
+        """
+        with self._opened() as connection:
+            return tuple(stored.column for stored in self._stored(connection))
 
     def __len__(self) -> int:
-        return sum(1 for _ in self._select("cell"))
+        with self._opened() as connection:
+            return int(connection.execute("SELECT COUNT(*) FROM cells").fetchone()[0]) if _begun(connection) else 0
 
     def rows(self, *names: str) -> Iterator[dict[str, Any]]:
         """All rows, ordered by cell, with these columns; with every column if none is named."""
-        chosen = [column for column in self.columns if not names or column.name in names]
-        for _, *values in self._select("sequence", *(column.name for column in chosen), order="cell"):
-            yield _as_row(chosen, values)
+        for kept in self._select(names, order="cell"):
+            yield kept.row
 
     def rows_after(self, sequence: int, limit: int) -> list[KeptRow]:
         """At most `limit` rows that were kept after the row `sequence`, in the order in which they were."""
-        names = (column.name for column in self.columns)
-        found = self._select("sequence", *names, order="sequence", after=sequence, limit=limit)
-        return [KeptRow(place, _as_row(self.columns, values)) for place, *values in found]
+        return list(self._select((), order="sequence", after=sequence, limit=limit))
 
     def _select(
-        self, *names: str, order: str = "sequence", after: int = 0, limit: int = -1
-    ) -> Iterator[tuple[Any, ...]]:
-        """The values of these columns; nothing if the table has not been begun."""
-        if not self.path.exists():
-            return
-        wanted = ", ".join(f'"{name}"' for name in names)
-        query = f"SELECT {wanted} FROM cells WHERE sequence > ? ORDER BY {order} LIMIT ?"
-        with _told(self.path), closing(sqlite3.connect(self.path, timeout=PATIENCE)) as connection:
+        self, names: Sequence[str], order: Literal["sequence", "cell"], after: int = 0, limit: int = -1
+    ) -> Iterator[KeptRow]:
+        """The rows with these columns, or with all; nothing if the table has not been begun."""
+        with self._opened() as connection:
+            if not _begun(connection):
+                return
+            chosen = [each for each in self._stored(connection) if not names or each.column.name in names]
+            # With its table before it a name is never taken for a text, as SQLite does with one that is no column.
+            wanted = ", ".join("NULL" if each.name is None else f"cells.{_quoted(each.name)}" for each in chosen)
+            query = f"SELECT sequence, {wanted} FROM cells WHERE sequence > ? ORDER BY {order} LIMIT ?"
+            columns = [each.column for each in chosen]
+            for place, *values in connection.execute(query, (after, limit)):
+                yield KeptRow(place, _as_row(columns, values))
+
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        """The file, to be read only; an empty database if there is none."""
+        path: Path | str = self.path if self.path.exists() else ":memory:"
+        with _told(self.path), closing(sqlite3.connect(path, timeout=PATIENCE)) as connection:
             connection.execute("PRAGMA query_only = ON")
-            if connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'cells'").fetchone():
-                yield from connection.execute(query, (after, limit))
+            yield connection
+
+    def _stored(self, connection: sqlite3.Connection) -> list[_Stored]:
+        """The columns of today, each with its place in the table, and those that only the table has."""
+        todays = columns(self.study)
+        if not _begun(connection):
+            return [_Stored(column, column.name) for column in todays]
+        present = {name: sql_type for _, name, sql_type, *_ in connection.execute("PRAGMA table_info(cells)")}
+        del present["sequence"]
+        found = [_as_stored(column, present) for column in todays]
+        known = {each.name for each in found}
+        return found + [_Stored(_foreign(name, present[name]), name) for name in present if name not in known]
+
+
+def _begun(connection: sqlite3.Connection) -> bool:
+    return connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'cells'").fetchone() is not None
+
+
+def _as_stored(column: Column, present: Mapping[str, str]) -> _Stored:
+    """A column of today in a table with these columns and SQL types; it keeps the type that the table has."""
+    names = (column.name, *former_names(column.name, (*MEASURE_CHANGES, *PARAMETER_CHANGES)))
+    name = next((each for each in names if each in present), None)
+    if name is None or present[name] == _SQL_TYPES[column.kind]:
+        return _Stored(column, name)
+    return _Stored(column._replace(kind=_KINDS[present[name]]), name)
+
+
+def _foreign(name: str, sql_type: str) -> Column:
+    """A column that today's version does not know."""
+    change = change_of(name, MEASURE_CHANGES)
+    return Column(name, _KINDS[sql_type], "1", change.why if change else "Of another version of Becalm")
+
+
+def _quoted(name: str) -> str:
+    """A name as SQL writes it."""
+    return '"' + name.replace('"', '""') + '"'
 
 
 class StudyTable(StudyRows):
@@ -132,11 +199,11 @@ class StudyTable(StudyRows):
             TableUnusable: the file cannot be written, for instance because the disk is full.
 
         """
-        names = ", ".join(f'"{column.name}"' for column in self.columns)
-        marks = ", ".join("?" * len(self.columns))
+        names = [column.name for column in columns(self.study)]
+        fields, marks = ", ".join(map(_quoted, names)), ", ".join("?" * len(names))
         with _told(self.path):
             self._rows.execute(
-                f"INSERT OR IGNORE INTO cells ({names}) VALUES ({marks})", [row[column.name] for column in self.columns]
+                f"INSERT OR IGNORE INTO cells ({fields}) VALUES ({marks})", [row[name] for name in names]
             )
         self._cells.add(row["cell"])
 
@@ -169,7 +236,7 @@ class StudyTable(StudyRows):
     def _create_cells(self) -> None:
         definition = json.dumps(self.study.definition())
         self._rows.execute("INSERT INTO study VALUES (?, ?)", (fingerprint(self.study), definition))
-        fields = [f'"{column.name}" {_SQL_TYPES[column.kind]}' for column in self.columns]
+        fields = [f"{_quoted(column.name)} {_SQL_TYPES[column.kind]}" for column in columns(self.study)]
         self._rows.execute(f"CREATE TABLE cells (sequence INTEGER PRIMARY KEY, {', '.join(fields)}, UNIQUE (cell))")
 
     def _another_study(self) -> TableUnusable:
