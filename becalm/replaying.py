@@ -11,7 +11,7 @@ import numpy as np
 from server.run_folder import RunReader, TickArray
 from sim.capture.mission import prepare
 from sim.capture.replay import Difference, controlled, first_difference, rerun
-from sim.capture.tick import TICK
+from sim.capture.tick import TICK, column_values
 from sim.errors import CaptureError, MissionRefused
 
 
@@ -70,8 +70,8 @@ def _in_words(result: dict[str, Any]) -> str:
 
 
 def _compared(reader: RunReader, now: Iterator[TickArray]) -> dict[str, Any]:
-    """Both flights tick by tick, with no more than a few chunks in memory."""
-    compared = 0
+    """Both flights tick by tick in what the log has, with no more than a few chunks in memory."""
+    compared, absent = 0, reader.layout().absent
     waiting: TickArray = np.empty(0, TICK)
     try:
         for recorded in reader.chunks():
@@ -82,7 +82,10 @@ def _compared(reader: RunReader, now: Iterator[TickArray]) -> dict[str, Any]:
                 waiting = np.concatenate([waiting, following]) if len(waiting) else following
             at = np.searchsorted(waiting["tick"], recorded["tick"])
             known = at < len(waiting)
-            difference = first_difference(recorded[known], waiting[at[known]])
+            flown = waiting[at[known]]
+            for column in absent:
+                column_values(flown, column)[:] = column_values(recorded[known], column)
+            difference = first_difference(recorded[known], flown)
             if difference is not None:
                 return _differing(compared, difference)
             compared += int(known.sum())

@@ -1,6 +1,7 @@
 """A run's ticks as CSV, Parquet and MCAP, in chunks of bounded size, also of a run in progress.
 
-One row a tick; columns are named `group.quantity.axis` and every number keeps all its bits.
+One row a tick; columns are named `group.quantity.axis` and every number keeps all its bits. Of a run of another version
+what its log lacks is missing, and what today's version does not know is there under the name that the log has for it.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 
 from server.log.writer import LogWriter
-from server.run_folder import LoggedEvent, RunReader, TickArray
+from server.run_folder import LoggedEvent, RunReader, StoredTicks
 from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.tabular import Sink, csv_header, csv_rows, parquet
 
@@ -58,10 +59,10 @@ def _mcap(reader: RunReader) -> Iterator[bytes]:
 def _mcap_of(reader: RunReader, span: Span) -> Iterator[bytes]:
     """A log of a part, written anew."""
     sink, record = Sink(), reader.record
-    writer = LogWriter(sink, record.started, record.config)
+    writer = LogWriter(sink, record.started, record.config, reader.layout().schema)
     writer.describe(record, record.config)
-    for ticks in reader.chunks(*span):
-        writer.append(ticks)
+    for ticks, payloads in reader.stored_chunks(*span):
+        writer.append(ticks, payloads)
         writer.flush()
         yield sink.taken()
     for event in reader.events():
@@ -73,32 +74,56 @@ def _mcap_of(reader: RunReader, span: Span) -> Iterator[bytes]:
     yield sink.taken()
 
 
-def table_schema(reader: RunReader) -> pa.Schema:
-    """The columns with their units, and what the run was flown with, as Parquet keeps them."""
-    fields = [
-        pa.field(column.name, pa.from_numpy_dtype(TICK[column.quantity].base), False, {"unit": column.unit})
-        for column in COLUMNS
-    ]
-    record = reader.record
-    outcome = record.outcome.model_dump_json() if record.outcome else "null"
-    metadata = {"run": record.id, "config": record.config.model_dump_json(), "outcome": outcome}
-    return pa.schema(fields, metadata)
+class _Table:
+    """A run's ticks as rows: the columns of today, then those that only its log has; what it lacks is null."""
 
+    def __init__(self, reader: RunReader) -> None:
+        self._layout = reader.layout()
+        self._absent = {column.name for column in self._layout.absent}
+        todays = [
+            pa.field(
+                column.name,
+                pa.from_numpy_dtype(TICK[column.quantity].base),
+                column.name in self._absent,
+                {"unit": column.unit},
+            )
+            for column in COLUMNS
+        ]
+        further = [
+            pa.field(each.name, pa.from_numpy_dtype(np.dtype(each.kind)), False, {"unit": each.unit})
+            for each in self._layout.further
+        ]
+        record = reader.record
+        outcome = record.outcome.model_dump_json() if record.outcome else "null"
+        metadata = {"run": record.id, "config": record.config.model_dump_json(), "outcome": outcome}
+        self.schema = pa.schema([*todays, *further], metadata)
 
-def _batch(ticks: TickArray, schema: pa.Schema) -> pa.RecordBatch:
-    arrays = [pa.array(np.ascontiguousarray(column_values(ticks, column))) for column in COLUMNS]
-    return pa.RecordBatch.from_arrays(arrays, schema=schema)
+    def units(self) -> list[str]:
+        """Every column with its unit, for people."""
+        return [f"{field.name} [{field.metadata[b'unit'].decode()}]" for field in self.schema]
+
+    def batch(self, stored: StoredTicks) -> pa.RecordBatch:
+        """These ticks."""
+        count = len(stored.ticks)
+        todays = [
+            pa.nulls(count, self.schema.field(column.name).type)
+            if column.name in self._absent
+            else pa.array(np.ascontiguousarray(column_values(stored.ticks, column)))
+            for column in COLUMNS
+        ]
+        further = [pa.array(self._layout.values(stored.payloads, each)) for each in self._layout.further]
+        return pa.RecordBatch.from_arrays([*todays, *further], schema=self.schema)
 
 
 def _csv(reader: RunReader, span: Span) -> Iterator[bytes]:
-    schema = table_schema(reader)
+    table = _Table(reader)
     lines = [f"# Becalm run {reader.record.id}, one row a tick; units:"]
-    lines += [f"# {column.name} [{column.unit}]" for column in COLUMNS]
-    yield ("\n".join(lines) + "\n").encode() + csv_header(schema)
-    for ticks in reader.chunks(*span):
-        yield from csv_rows(_batch(ticks, schema))
+    lines += [f"# {column}" for column in table.units()]
+    yield ("\n".join(lines) + "\n").encode() + csv_header(table.schema)
+    for stored in reader.stored_chunks(*span):
+        yield from csv_rows(table.batch(stored))
 
 
 def _parquet(reader: RunReader, span: Span) -> Iterator[bytes]:
-    schema = table_schema(reader)
-    return parquet(schema, (_batch(ticks, schema) for ticks in reader.chunks(*span)))
+    table = _Table(reader)
+    return parquet(table.schema, map(table.batch, reader.stored_chunks(*span)))

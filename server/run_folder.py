@@ -11,6 +11,7 @@ A reader takes whole chunks and whole lines only, so that a write cut short by a
 from __future__ import annotations
 
 import errno
+import math
 import os
 import stat
 import time
@@ -18,16 +19,16 @@ from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO, Literal
+from typing import Annotated, Any, BinaryIO, Literal, NamedTuple
 
 import numpy as np
-from mcap.records import ChunkIndex
+from mcap.records import ChunkIndex, Schema
 from pydantic import AllowInfNan, Field, Strict, StringConstraints, field_validator
 
 from server.files import read_document, read_lines, replace_file
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
-from server.log.topics import CDR_TICK
+from server.log.ticks import TICK_CHANNEL, TickLayout, layout_in
 from server.log.writer import LogWriter, nanoseconds
 from server.problems import StoredUnreadable
 from server.texts import shortened
@@ -35,10 +36,11 @@ from server.versions import versions
 from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Outcome, Published
-from sim.capture.tick import TICK
 from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.control.phases import Command
+from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES, VERSION, config_version, under_todays_names
+from sim.stored import read_parameters, read_tree
 
 RunKind = Literal["live", "scripted", "study", "fork"]
 RunStatus = Literal["queued", "running", "finished", "failed", "cancelled"]
@@ -61,11 +63,11 @@ LOST_AT_MOST = 1.0
 SLACK = 1e-6
 """Mission times closer than this are the same [s]: no tick is as short."""
 
+MOST_ABSENT_SHOWN = 8
+"""Columns that a notice names."""
+
 FIRST_YEAR, LAST_YEAR = 1971, 2499
 """Within which the nanoseconds of a log have room, whatever the time zone."""
-
-TICK_CHANNEL = 1
-"""Channel of the ticks in every log."""
 
 
 class RunRecord(Published):
@@ -93,6 +95,9 @@ class RunRecord(Published):
         None, description="complete, or recovered up to the last whole chunk after a crash; null until it is closed"
     )
     lost_at_most: float | None = Field(None, description="Of a recovered run: wall time that may be missing [s]")
+    notices: tuple[str, ...] = Field(
+        (), exclude=True, description="What this version ignores of what an earlier one stored, and why"
+    )
 
     @field_validator("started")
     @classmethod
@@ -183,7 +188,7 @@ def read_record(folder: Path) -> RunRecord:
         StoredUnreadable: it is damaged, of another version, of another run, or not permitted.
 
     """
-    record = read_document(folder / RECORD_NAME, RunRecord)
+    record = read_document(folder / RECORD_NAME, RunRecord, upgrade=record_of_today)
     if record.id != folder.name:
         raise StoredUnreadable(
             f"{RECORD_NAME} is that of run {shortened(record.id)}, of which this folder seems to be a copy",
@@ -192,9 +197,57 @@ def read_record(folder: Path) -> RunRecord:
     return record
 
 
-def _ticks_of(file: BinaryIO, index: ChunkIndex) -> TickArray:
-    ticks: TickArray = payloads(chunk_data(file, index), TICK_CHANNEL, CDR_TICK)["tick"]
-    return ticks.astype(TICK)
+def record_of_today(stored: Any) -> Any:
+    """A run's record of any version, under the names of today.
+
+    Raises:
+        ConfigError: its configuration is of a later version.
+
+    """
+    if not isinstance(stored, dict) or not isinstance(stored.get("config"), dict):
+        return stored
+    config = read_parameters(stored["config"])
+    record = read_tree({name: value for name, value in stored.items() if name != "config"}, RECORD_CHANGES)
+    return {
+        **record.values,
+        "config": {**config.values, VERSION: config_version()},
+        "notices": (*config.notices, *record.notices),
+    }
+
+
+def _event_of_today(stored: Any) -> Any:
+    """An event of any version, with the parameters that it changes under the names of today."""
+    if not isinstance(stored, dict) or not isinstance(stored.get("changes"), dict):
+        return stored
+    return {**stored, "changes": under_todays_names(stored["changes"], PARAMETER_CHANGES).values}
+
+
+def read_events(folder: Path, *, strict: bool = False) -> Iterator[LoggedEvent]:
+    """The events of the run in that folder, oldest first.
+
+    Args:
+        folder: of the run.
+        strict: whether a line that cannot be read ends it all; else it is left out.
+
+    Raises:
+        StoredUnreadable: the file cannot be read, or with `strict` a line of it.
+
+    """
+    return read_lines(folder / EVENTS_NAME, LoggedEvent, strict=strict, upgrade=_event_of_today)
+
+
+class StoredTicks(NamedTuple):
+    """Ticks of a log."""
+
+    ticks: TickArray
+    """Rows of `TICK`."""
+    payloads: TickArray
+    """The same as the log has them, for its layout to read."""
+
+
+def _stored_ticks(file: BinaryIO, index: ChunkIndex, layout: TickLayout) -> StoredTicks:
+    found = payloads(chunk_data(file, index), TICK_CHANNEL)
+    return StoredTicks(layout.ticks(found), found)
 
 
 def mend_log(path: Path) -> Scanned:
@@ -287,14 +340,14 @@ def _require_there(path: Path, descriptor: int) -> None:
 class RunWriter:
     """Appends to one run; claims its folder until it is closed."""
 
-    def __init__(self, folder: Path, record: RunRecord) -> None:
-        """Open a run that has begun or waits to.
+    def __init__(self, folder: Path, record: RunRecord, schema: Schema | None = None) -> None:
+        """Open a run that has begun or waits to; its ticks are kept in that schema, if not in today's.
 
         Raises:
             BlockingIOError: another process is writing it.
 
         """
-        self._folder = folder
+        self._folder, self._schema = folder, schema
         self._claim = Claim(folder / CLAIM_NAME)
         self._events: BinaryIO = (folder / EVENTS_NAME).open("ab")
         self._sink: _WholeWrites | None = None
@@ -304,10 +357,10 @@ class RunWriter:
         self.record = record
         write_record(folder, record)
 
-    def append(self, ticks: TickArray) -> None:
-        """Append rows of `TICK`."""
+    def append(self, ticks: TickArray, payloads: TickArray | None = None) -> None:
+        """Append rows of `TICK`, and their payloads if the log has a schema of its own."""
         if len(ticks):
-            self._open_log().append(ticks)
+            self._open_log().append(ticks, payloads)
             self._duration = float(ticks["time"][-1])
             self._ticks += len(ticks)
 
@@ -319,7 +372,7 @@ class RunWriter:
     def _open_log(self) -> LogWriter:
         if self._log is None:
             self._sink = _WholeWrites(self._folder / LOG_NAME)
-            self._log = LogWriter(self._sink, self.record.started, self.record.config)
+            self._log = LogWriter(self._sink, self.record.started, self.record.config, self._schema)
             self._log.describe(self.record, self.record.config)
         return self._log
 
@@ -446,37 +499,83 @@ class RunReader:
         except OSError:  # the whole run is being removed, or may not be looked into
             return 0
 
+    def layout(self) -> TickLayout:
+        """How the log keeps its ticks.
+
+        Raises:
+            StoredUnreadable: the schema in it cannot be understood.
+
+        """
+        return layout_in(self.scanned().contents)
+
+    @property
+    def log_notices(self) -> tuple[str, ...]:
+        """What the log, of another version, has not of today's ticks, or why none of it can be read; in words."""
+        try:
+            absent = self.layout().absent
+        except StoredUnreadable as error:
+            return (str(error),)
+        names = ", ".join(column.name for column in absent[:MOST_ABSENT_SHOWN])
+        left = len(absent) - MOST_ABSENT_SHOWN
+        more = f" and {left} more" if left > 0 else ""
+        return (f"its log, of another version, has no {names}{more}",) if absent else ()
+
     def chunks(self, since: float | None = None, until: float | None = None) -> Iterator[TickArray]:
-        """The ticks that are on disk now, oldest first, a chunk at once, from one mission time to another [s]."""
+        """The ticks that are on disk now, oldest first, a chunk at once, from one mission time to another [s].
+
+        Raises:
+            StoredUnreadable: the schema in the log cannot be understood.
+
+        """
+        for stored in self.stored_chunks(since, until):
+            yield stored.ticks
+
+    def stored_chunks(self, since: float | None = None, until: float | None = None) -> Iterator[StoredTicks]:
+        """The same, and as the log has them.
+
+        Raises:
+            StoredUnreadable: the schema in the log cannot be understood.
+
+        """
         if not self.has_log:
             return
         began = nanoseconds(self.record.started)
+        earliest = -math.inf if since is None else since - SLACK
+        latest = math.inf if until is None else until + SLACK
         with self.log_path.open("rb") as file:
-            for index in scan(file).contents.chunks:
+            contents = scan(file).contents
+            for index in contents.chunks:
                 first, last = (1e-9 * (at - began) for at in (index.message_start_time, index.message_end_time))
-                if (since is not None and last < since - SLACK) or (until is not None and first > until + SLACK):
+                if last < earliest or first > latest:
                     continue
-                ticks = _ticks_of(file, index)
-                if since is not None:
-                    ticks = ticks[ticks["time"] >= since - SLACK]
-                if until is not None:
-                    ticks = ticks[ticks["time"] <= until + SLACK]
-                if len(ticks):
-                    yield ticks
+                ticks, kept = _stored_ticks(file, index, layout_in(contents))
+                wanted = (ticks["time"] >= earliest) & (ticks["time"] <= latest)
+                if wanted.all() and len(ticks):
+                    yield StoredTicks(ticks, kept)
+                elif wanted.any():
+                    yield StoredTicks(ticks[wanted], kept[wanted])
 
     def last_tick(self) -> TickArray | None:
-        """The last whole tick on disk, shape (1,), or None."""
+        """The last whole tick on disk, shape (1,), or None.
+
+        Raises:
+            StoredUnreadable: the schema in the log cannot be understood.
+
+        """
         if not self.has_log:
             return None
         with self.log_path.open("rb") as file:
-            for index in reversed(scan(file).contents.chunks):
-                if TICK_CHANNEL in index.message_index_offsets and len(ticks := _ticks_of(file, index)):
-                    return ticks[-1:]
+            contents = scan(file).contents
+            for index in reversed(contents.chunks):
+                if TICK_CHANNEL in index.message_index_offsets:
+                    ticks = _stored_ticks(file, index, layout_in(contents)).ticks
+                    if len(ticks):
+                        return ticks[-1:]
         return None
 
     def events(self) -> Iterator[Mapping[str, Any]]:
         """The events, oldest first; a line that a crash cut short, or that is damaged, is left out."""
-        for event in read_lines(self._folder / EVENTS_NAME, LoggedEvent):
+        for event in read_events(self._folder):
             yield event.model_dump(mode="json", exclude_none=True)
 
     def history(self) -> FlightHistory:
@@ -489,6 +588,6 @@ class RunReader:
             StoredUnreadable: an event is damaged: without it the run could not be flown again as it was.
 
         """
-        events = read_lines(self._folder / EVENTS_NAME, LoggedEvent, strict=True)
+        events = read_events(self._folder, strict=True)
         done = tuple(event.intervention for event in events if event.intervention is not None)
         return FlightHistory(config=self.record.config, interventions=done)

@@ -6,15 +6,18 @@ remarks were last written; one of another schema, or a damaged one, is made anew
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import sqlite3
 import threading
 import time
+import zlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -25,9 +28,7 @@ from server.runs import RUN_ID, RunStore
 from server.texts import one_line
 from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound
-
-SCHEMA = 3
-"""Raised with every change of the table; an index of another one is made anew."""
+from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES
 
 FILE_NAME = "index.sqlite"
 PATIENCE = 0.25
@@ -74,6 +75,16 @@ _COLUMNS = (
     "parent", "starred", "name", "tags", "started", "words", "seed", "initial_spin", "duration", "peak_tip_force",
     "cage_margin", "final_target_spin", "size",
 )  # fmt: skip
+
+
+@cache
+def index_version() -> int:
+    """A digest of what the index follows from: its table, what a record holds, and how earlier ones are read.
+
+    An index of another version is made from the folders again: what could not be read then may be readable now.
+    """
+    parts = [_TABLE, RunRecord.model_json_schema(), PARAMETER_CHANGES, RECORD_CHANGES]
+    return zlib.crc32(json.dumps(parts).encode()) & 0x7FFF_FFFF  # SQLite keeps 32 bits with a sign
 
 
 @dataclass(frozen=True)
@@ -212,10 +223,10 @@ class RunIndex:
         return self._memory
 
     def _refresh(self, rows: sqlite3.Connection) -> None:
-        if rows.execute("PRAGMA user_version").fetchone()[0] != SCHEMA:
+        if rows.execute("PRAGMA user_version").fetchone()[0] != index_version():
             rows.execute("DROP TABLE IF EXISTS runs")
             rows.execute(_TABLE)
-            rows.execute(f"PRAGMA user_version = {SCHEMA}")
+            rows.execute(f"PRAGMA user_version = {index_version()}")
         known = {name: (stamp, settled) for name, stamp, settled in rows.execute("SELECT id, stamp, settled FROM runs")}
         present = {one_line(name): (name, stamp) for name, stamp in self._present()}
         for name in known.keys() - present.keys():

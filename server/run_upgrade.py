@@ -13,26 +13,27 @@ import logging
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from server.files import read_lines
+from server.log.ticks import StoredColumn, TickLayout, field_name, schema_of
 from server.run_folder import (
     CLAIM_NAME,
-    EVENTS_NAME,
     LOG_NAME,
     LOST_AT_MOST,
     RECORD_NAME,
-    LoggedEvent,
     RunReader,
     RunRecord,
     RunWriter,
     TickArray,
+    read_events,
+    record_of_today,
     write_record,
 )
-from sim.capture.tick import TICK
+from sim.capture.tick import QUANTITIES, columns_of
 from sim.claim import Claim
+from sim.schema_history import TICK_CHANGES, todays_name
 
 TICKS_NAME = "ticks.bin"
 DRAFT_NAME = ".upgrade"
@@ -74,7 +75,7 @@ def _document(folder: Path) -> dict[str, Any] | None:
 
 def _from_format_1(folder: Path, document: dict[str, Any]) -> None:
     layout = document.pop("layout")
-    record = RunRecord.model_validate_json(json.dumps(document))
+    record = RunRecord.model_validate_json(json.dumps(record_of_today(document)))
     if record.ended:
         record = record.model_copy(update={"integrity": "complete"})
     if (folder / TICKS_NAME).exists():
@@ -96,24 +97,49 @@ def _dtype(layout: dict[str, Any]) -> np.dtype[Any]:
     )
 
 
+class _Elements(NamedTuple):
+    """The numbers of one field of a record, and the column that each becomes."""
+
+    field: str
+    columns: list[StoredColumn]
+
+
+def _elements(stored: np.dtype[Any]) -> list[_Elements]:
+    """The columns that a log will have; those of a field that is not known are numbered."""
+    known = {quantity.name: columns_of(quantity) for quantity in QUANTITIES}
+    found = []
+    for name in stored.names or ():
+        kind, shape = stored[name].base.str[1:], stored[name].shape
+        count = int(np.prod(shape, dtype=int))
+        columns = known.get(todays_name(name, TICK_CHANGES) or "", [])
+        if len(columns) == count:
+            named = [StoredColumn(field_name(each), kind, each.unit) for each in columns]
+        else:
+            named = [StoredColumn(f"{name}_{place}" if shape else name, kind, "1") for place in range(count)]
+        found.append(_Elements(name, named))
+    return found
+
+
 def _rewritten(folder: Path, record: RunRecord, stored: np.dtype[Any]) -> RunRecord:
     """The record of a log that has been written anew beside the old one, and read back."""
     draft = folder / DRAFT_NAME
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir()
-    writer = RunWriter(draft, record)
-    events = iter(list(_events(folder)))
+    layout = TickLayout(schema_of([column for each in _elements(stored) for column in each.columns]))
+    writer = RunWriter(draft, record, layout.schema)
+    events = iter(list(read_events(folder)))
     event = next(events, None)
-    for ticks in _ticks(folder / TICKS_NAME, stored):
+    for payloads in _payloads(folder / TICKS_NAME, stored, layout):
+        ticks = layout.ticks(payloads)
         while event is not None and event.time <= ticks["time"][-1]:
             writer.log(event)
             event = next(events, None)
-        writer.append(ticks)
+        writer.append(ticks, payloads)
     for late in (event, *events):
         if late is not None:
             writer.log(late)
     writer.close()
-    _require_same(RunReader(draft, writer.record), folder / TICKS_NAME, stored)
+    _require_same(RunReader(draft, writer.record), _payloads(folder / TICKS_NAME, stored, layout))
     return writer.record if record.ended else writer.record.model_copy(update=_cut_off(record))
 
 
@@ -124,29 +150,28 @@ def _cut_off(record: RunRecord) -> dict[str, Any]:
     return {"status": status, "integrity": "recovered", "lost_at_most": LOST_AT_MOST, "note": note}
 
 
-def _events(folder: Path) -> Iterator[LoggedEvent]:
-    return read_lines(folder / EVENTS_NAME, LoggedEvent)
-
-
-def _ticks(path: Path, stored: np.dtype[Any]) -> Iterator[TickArray]:
-    """The whole ticks in that file; fields that there were not yet are zero."""
+def _payloads(path: Path, stored: np.dtype[Any], layout: TickLayout) -> Iterator[TickArray]:
+    """The whole ticks in that file, with every field that it has, as a log keeps them."""
+    elements = _elements(stored)
     with path.open("rb") as file:
         while content := file.read(CHUNK_ROWS * stored.itemsize):
             rows = np.frombuffer(content[: len(content) // stored.itemsize * stored.itemsize], stored)
-            ticks = np.zeros(len(rows), TICK)
-            for name in set(TICK.names or ()) & set(stored.names or ()):
-                ticks[name] = rows[name]
-            yield ticks
+            values: dict[str, TickArray] = {}
+            for field, columns in elements:
+                numbers = rows[field].reshape(len(rows), len(columns))
+                values |= {column.name: numbers[:, place] for place, column in enumerate(columns)}
+            if len(rows):
+                yield layout.packed(values, len(rows))
 
 
-def _require_same(reader: RunReader, path: Path, stored: np.dtype[Any]) -> None:
+def _require_same(reader: RunReader, payloads: Iterator[TickArray]) -> None:
     """See that nothing is lost before the old file goes."""
-    if _digest(_ticks(path, stored)) != _digest(reader.chunks()):
+    if _digest(payloads) != _digest(stored.payloads for stored in reader.stored_chunks()):
         raise ValueError("what was written anew does not read as it was")
 
 
 def _digest(chunks: Iterator[TickArray]) -> bytes:
     digest = hashlib.sha256()
-    for ticks in chunks:
-        digest.update(ticks.tobytes())
+    for payloads in chunks:
+        digest.update(payloads.tobytes())
     return digest.digest()

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from server.files import remove_folder
+from server.log.ticks import TICK_CHANNEL
 from server.problems import StoredUnreadable
 from server.run_folder import (
     CANCEL_NAME,
     CLAIM_NAME,
     LOST_AT_MOST,
     RECORD_NAME,
-    TICK_CHANNEL,
     Remarks,
     RunKind,
     RunReader,

@@ -140,6 +140,7 @@ class RunSummary(BaseModel):
     outcome: Outcome | None
     real_time_factor: float | None = Field(description="Simulated seconds a second; null of a live run")
     note: str | None
+    notices: tuple[str, ...] = Field(description="What this version ignores of what an earlier one stored, and why")
     versions: dict[str, str]
     time_limit: float = Field(description="Mission time at which it ends without a verdict [s]; of progress the end")
     starred: bool
@@ -378,7 +379,9 @@ def _summary(reader: RunReader) -> RunSummary:
 
 def run_of(reader: RunReader) -> Run:
     """The run as it is shown."""
-    return Run(**_fields(reader), config=reader.record.config)
+    fields = _fields(reader)
+    fields["notices"] += reader.log_notices
+    return Run(**fields, config=reader.record.config)
 
 
 def _fields(reader: RunReader) -> dict[str, Any]:
@@ -403,6 +406,7 @@ def _fields(reader: RunReader) -> dict[str, Any]:
         "outcome": record.outcome,
         "real_time_factor": record.real_time_factor,
         "note": record.note,
+        "notices": record.notices,
         "time_limit": record.config.judging.time_limit,
         "starred": remarks.starred,
         "notes": remarks.notes,

@@ -31,6 +31,7 @@ from server.log.stream import COMPRESSION, INDEX_ENTRY, MAGIC, Bytes, Contents, 
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _INDEX_HEAD = struct.Struct("<HI")
+_MESSAGE_HEAD = message_dtype(np.dtype("V1")).itemsize - 1 - _RECORD_HEAD.size
 _FOOTER_SIZE = _RECORD_HEAD.size + 20 + len(MAGIC)
 _LARGEST_RECORD = 2**31
 
@@ -75,15 +76,19 @@ def chunk_data(file: BinaryIO, index: ChunkIndex) -> bytes:
         return b""
 
 
-def payloads(data: bytes, channel: int, payload: np.dtype[Any]) -> Bytes:
-    """The payloads of a channel's messages within a chunk, of which each is of that type."""
-    layout, place = message_dtype(payload), 0
-    found = []
+def payloads(data: bytes, channel: int) -> Bytes:
+    """The payloads of a channel's messages within a chunk, as long as the first of them; others are left out."""
+    found: list[Bytes] = []
+    layout: np.dtype[Any] | None = None
+    place = 0
     while place + _RECORD_HEAD.size <= len(data):
         opcode, length = _RECORD_HEAD.unpack_from(data, place)
         end = place + _RECORD_HEAD.size + length
-        mine = opcode == Opcode.MESSAGE and end - place == layout.itemsize
-        if not mine or int.from_bytes(data[place + 9 : place + 11], "little") != channel:
+        if opcode != Opcode.MESSAGE or int.from_bytes(data[place + 9 : place + 11], "little") != channel:
+            place = end
+            continue
+        layout = layout or message_dtype(np.dtype(f"V{max(0, length - _MESSAGE_HEAD)}"))
+        if end - place != layout.itemsize:
             place = end
             continue
         records = np.frombuffer(data, layout, (len(data) - place) // layout.itemsize, place)
@@ -91,7 +96,7 @@ def payloads(data: bytes, channel: int, payload: np.dtype[Any]) -> Bytes:
         count = len(records) if alike.all() else int(np.argmin(alike))
         found.append(records["data"][:count])
         place += count * layout.itemsize
-    return np.concatenate(found) if found else np.empty(0, payload)
+    return np.concatenate(found) if found else np.empty(0, "V1")
 
 
 def metadata_of(file: BinaryIO, contents: Contents, name: str) -> dict[str, str] | None:

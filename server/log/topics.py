@@ -1,7 +1,7 @@
-"""What stands in a log: topics, their schemas, and how ticks and events become messages.
+"""What stands in a log: topics, and how ticks become the messages of those that other tools know.
 
-`/becalm/tick` holds every number of every tick, in a schema of our own whose CDR bytes are those of `TICK` itself.
-The other topics show the same run to tools that know nothing of Becalm. All are ROS 2 messages.
+`/becalm/tick` holds every number of every tick (`server.log.ticks`). The other topics show the same run to tools that
+know nothing of Becalm. All are ROS 2 messages.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from mcap.records import Schema
 
 from server.log.ros import Template, header, ros
 from server.log.stream import Bytes
-from sim.capture.tick import ARMS, COLUMNS, TICK, Column
+from sim.capture.tick import ARMS
 from sim.config import MissionConfig
 from sim.model.robot import robot_model
 
@@ -26,33 +25,7 @@ EVENT_TOPIC = "/becalm/event"
 LOG_TOPIC = "/rosout"
 SCENE_TOPIC = "/scene"
 
-CDR_TICK = np.dtype([("head", "V4"), ("tick", TICK.newbyteorder("<"))])
-"""Payload of a tick: the encapsulation header of little-endian CDR, then the tick."""
-_CDR_HEAD = np.frombuffer(b"\x00\x01\x00\x00", "V4")[0]
-
-_ROS_TYPES = {"i8": "int64", "f8": "float64", "u1": "uint8", "u2": "uint16", "u4": "uint32"}
 _JOINTS = [f"{arm}_joint_{number}" for arm in ARMS for number in (1, 2, 3)]
-
-
-def field_name(column: Column) -> str:
-    """A column's name as ROS 2 spells it: `left.hand_wrench.x` is `left_hand_wrench_x`."""
-    return column.name.removeprefix("mission.").replace(".", "_")
-
-
-def tick_schema() -> Schema:
-    """Every column of a tick with its unit."""
-    lines = ["# One control tick of Becalm; SI and radians, world axes."]
-    for column in COLUMNS:
-        kind = _ROS_TYPES[TICK[column.quantity].base.str[1:]]
-        lines.append(f"{kind} {field_name(column)}  # [{column.unit}]")
-    return Schema(id=0, name="becalm_msgs/msg/Tick", encoding="ros2msg", data="\n".join(lines).encode())
-
-
-def tick_payloads(ticks: Bytes) -> Bytes:
-    """Ticks as the payloads of their messages."""
-    payloads = np.empty(len(ticks), CDR_TICK)
-    payloads["head"], payloads["tick"] = _CDR_HEAD, ticks
-    return payloads
 
 
 class Topic(NamedTuple):

@@ -7,12 +7,14 @@ import json
 from datetime import datetime
 
 import numpy as np
+from mcap.records import Schema
 from pydantic import BaseModel
 
 from server.log.ros import header, ros, ros_schema, serialized
 from server.log.scene import MARKERS, scene
 from server.log.stream import Bytes, McapStream, Sink, messages
-from server.log.topics import EVENT_TOPIC, LOG_TOPIC, SCENE_TOPIC, TICK_TOPIC, tick_payloads, tick_schema, topics_of
+from server.log.ticks import tick_payloads, tick_schema
+from server.log.topics import EVENT_TOPIC, LOG_TOPIC, SCENE_TOPIC, TICK_TOPIC, topics_of
 from sim.capture.events import Event
 from sim.config import MissionConfig
 
@@ -38,11 +40,12 @@ def prepare_logs() -> None:
 class LogWriter:
     """Ticks and events in, one MCAP file out; times are those of the mission, counted from the run's start."""
 
-    def __init__(self, sink: Sink, started: str, config: MissionConfig) -> None:
+    def __init__(self, sink: Sink, started: str, config: MissionConfig, schema: Schema | None = None) -> None:
+        """Of a run that started then; its ticks in that schema, if not in today's."""
         self._stream = McapStream(sink)
         self._began = nanoseconds(started)
         self._topics = topics_of(config)
-        self._tick_channel = self._stream.channel(TICK_TOPIC, "cdr", tick_schema(), {})
+        self._tick_channel = self._stream.channel(TICK_TOPIC, "cdr", schema or tick_schema(), {})
         self._channels = [self._open(topic.name, topic.schema) for topic in self._topics]
         self._scene, self._log, self._event = (
             self._open(SCENE_TOPIC, MARKERS),
@@ -55,20 +58,21 @@ class LogWriter:
     def _open(self, topic: str, schema: str) -> int:
         return self._stream.channel(topic, "cdr", ros_schema(schema), {})
 
-    def append(self, ticks: Bytes) -> None:
-        """Add rows of `TICK`; whole chunks are written."""
+    def append(self, ticks: Bytes, payloads: Bytes | None = None) -> None:
+        """Add rows of `TICK`, and their payloads if the schema is not today's; whole chunks are written."""
         if not len(ticks):
             return
         times = self._began + np.round(ticks["time"] * 1e9).astype(np.uint64)
         numbers = self._sequence + np.arange(len(ticks))
         self._sequence += len(ticks)
-        self._stream.add(messages(self._tick_channel, numbers, times, tick_payloads(ticks)))
+        kept = tick_payloads(ticks) if payloads is None else payloads
+        self._stream.add(messages(self._tick_channel, numbers, times, kept))
         for topic, channel in zip(self._topics, self._channels, strict=True):
-            kept = ticks["tick"] % topic.stride == 0 if topic.stride > 1 else slice(None)
-            shown, at = ticks[kept], times[kept]
+            chosen = ticks["tick"] % topic.stride == 0 if topic.stride > 1 else slice(None)
+            shown, at = ticks[chosen], times[chosen]
             if len(shown):
-                payloads = topic.template.filled(at, topic.numbers(shown))
-                self._stream.add(messages(channel, numbers[kept], at, payloads))
+                filled = topic.template.filled(at, topic.numbers(shown))
+                self._stream.add(messages(channel, numbers[chosen], at, filled))
         if self._stream.pending >= CHUNK_BYTES:
             self._stream.close_chunk()
 

@@ -96,7 +96,8 @@ class Column(NamedTuple):
     """Where in that field, after the tick's axis."""
 
 
-def _columns_of(quantity: Quantity) -> list[Column]:
+def columns_of(quantity: Quantity) -> list[Column]:
+    """The columns of one field of `TICK`."""
     groups = [(name, (arm,)) for arm, name in enumerate(ARMS)] if quantity.group == "arm" else [(quantity.group, ())]
     columns: list[Column] = []
     for group, leading in groups:
@@ -109,7 +110,7 @@ def _columns_of(quantity: Quantity) -> list[Column]:
     return columns
 
 
-COLUMNS: tuple[Column, ...] = tuple(column for quantity in QUANTITIES for column in _columns_of(quantity))
+COLUMNS: tuple[Column, ...] = tuple(column for quantity in QUANTITIES for column in columns_of(quantity))
 
 
 def column_values(ticks: np.ndarray[Any, np.dtype[Any]], column: Column) -> np.ndarray[Any, np.dtype[Any]]:

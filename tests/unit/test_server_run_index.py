@@ -6,6 +6,7 @@ import os
 import shutil
 import sqlite3
 import sys
+from contextlib import closing
 from datetime import datetime, timedelta, timezone
 
 import pytest
@@ -156,11 +157,15 @@ def test_a_cursor_that_is_gone_is_said(store, index):
         found(index, sort="duration", after="20260101T000000000-abcdef")
 
 
-def test_of_another_schema_it_is_made_anew(store, index, monkeypatch):
+def test_what_another_version_could_not_read_is_looked_at_again(store, index):
     run = kept(store)
     assert found(index) == [run]
-    monkeypatch.setattr(run_index, "SCHEMA", run_index.SCHEMA + 1)
+    with closing(sqlite3.connect(store.root / FILE_NAME)) as rows:
+        rows.execute("UPDATE runs SET kind = NULL, unreadable = 'of another version'")
+        rows.execute(f"PRAGMA user_version = {run_index.index_version() ^ 1}")
+        rows.commit()
     assert found(index) == [run]
+    assert index.unreadable() == {}
 
 
 def test_damaged_it_is_made_anew(store, index):
