@@ -91,6 +91,12 @@ function RunFacts({ run }: { readonly run: Run }) {
           <dd>{run.note}</dd>
         </div>
       )}
+      {run.notices.length > 0 && (
+        <div>
+          <dt>Of another version</dt>
+          <dd>{run.notices.join("\n")}</dd>
+        </div>
+      )}
     </dl>
   );
 }

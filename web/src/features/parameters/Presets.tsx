@@ -36,7 +36,7 @@ function usePresets(): { readonly presets: readonly Preset[]; readonly again: ()
 function wordsOf(known: Preset | undefined): string {
   if (known === undefined) return "Keeps what is in force, with what is staged.";
   if (known.preset === null) return `It cannot be read (${known.refusal ?? "no reason given"}), and would be replaced.`;
-  return `Kept by ${known.preset.who}; it would be replaced.`;
+  return [`Kept by ${known.preset.who}; it would be replaced.`, ...known.notices].join(" ");
 }
 
 export function Presets({ present, stage }: PresetsProps) {

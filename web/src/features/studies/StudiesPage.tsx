@@ -61,6 +61,7 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
       {isUnderWay(study) && <RoleButton needs="operator" onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</RoleButton>}
       {(study.status === "cancelled" || study.status === "failed") && <RoleButton needs="operator" onClick={() => void doing(() => resumeStudy(study.id))}>Go on</RoleButton>}
       {!isUnderWay(study) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void doing(remove)} />}
+      {study.notices.length > 0 && <p>{study.notices.join("; ")}</p>}
       {refusal && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
     </header>
   );
