@@ -8,6 +8,7 @@ the hands that needs the tips to give way least: that much is the margin of the 
 from __future__ import annotations
 
 import math
+from heapq import heappop, heappush
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -136,7 +137,7 @@ def _clearance_on_the_way_out(
     heap = [(-_clearance(discs, half_side, (i - n // 2) * step, (j - n // 2) * step, k * turn), k, i, j)]
     rising, worst = True, math.inf
     while len(heap) > 0:
-        negative, k, i, j = _popped(heap)
+        negative, k, i, j = heappop(heap)
         if i in (0, n - 1) or j in (0, n - 1):
             return worst
         before = len(heap)
@@ -145,45 +146,10 @@ def _clearance_on_the_way_out(
             if not seen[c, a, b]:
                 seen[c, a, b] = True
                 free = _clearance(discs, half_side, (a - n // 2) * step, (b - n // 2) * step, c * turn)
-                _push(heap, (-free, c, a, b))
+                heappush(heap, (-free, c, a, b))
         # A square that still presses on a tip first rises to the clearest place nearby: that is not a way out.
         if rising and (len(heap) == before or heap[0][0] >= negative):
             rising = False
         if not rising:
             worst = min(worst, -negative)
     return -math.inf
-
-
-@compiled
-def _push(heap: list[tuple[float, int, int, int]], item: tuple[float, int, int, int]) -> None:
-    """Add to a binary heap."""
-    heap.append(item)
-    place = len(heap) - 1
-    while place > 0:
-        above = (place - 1) >> 1
-        if heap[above][0] <= item[0]:
-            break
-        heap[place] = heap[above]
-        place = above
-    heap[place] = item
-
-
-@compiled
-def _popped(heap: list[tuple[float, int, int, int]]) -> tuple[float, int, int, int]:
-    """Take the least of a binary heap."""
-    last = heap.pop()
-    if len(heap) == 0:
-        return last
-    least, place, size = heap[0], 0, len(heap)
-    while True:
-        below = 2 * place + 1
-        if below >= size:
-            break
-        if below + 1 < size and heap[below + 1][0] < heap[below][0]:
-            below += 1
-        if heap[below][0] >= last[0]:
-            break
-        heap[place] = heap[below]
-        place = below
-    heap[place] = last
-    return least
