@@ -183,7 +183,8 @@ async def test_of_a_hundred_clients_twenty_never_read_and_delay_nobody(served):
             address = f"{served.telemetry}?rate=10"
             readers = [await open_ones.enter_async_context(connect(address)) for _ in range(80)]
             counts = await asyncio.gather(*map(follow, readers))
-    assert min(counts) >= 2
+    assert max(counts) >= 10  # of 20 that were asked for
+    assert min(counts) >= max(counts) / 2
 
 
 async def test_page_of_another_site_is_refused(served):

@@ -12,6 +12,7 @@ from server.link.perception import BodyEstimate, Noise, Perception
 from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
 from server.link.wire import JointSample, PlaneSample
 from sim.configurations import named_configuration
+from sim.model.robot import chain, robot_model
 from sim.plant.plant import PLANT_STATE
 from sim.plant.pymunk_plant import PymunkPlant
 
@@ -94,6 +95,34 @@ def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
         assert bool(state["hand_wrench"][1].any()) == told[-1]
         assert not state["hand_wrench"][0].any()
     assert told == [False, True, True, False, False]
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+@pytest.mark.parametrize("tip", [0, 1])
+def test_a_wrists_wrench_is_turned_into_the_worlds_axes_and_given_to_the_tip_that_explains_it(arm, tip):
+    """A force at a tip, in the axes of a hand that stands turned: the same vector, written in the world's axes."""
+    plant = PymunkPlant(CONFIG)
+    angles = plant.state["joint_angle"] + np.array([[0.1, 0.2, -0.8], [-0.3, 0.1, 0.7]])
+    perception = Perception(CONFIG, 0.12)
+    still = JointSample(0, angles, np.zeros((2, 3)))
+    base = plant.state["base_pose"].copy()
+    perception.take_base(PlaneSample(0, "world", base))
+    hand = chain(robot_model(CONFIG.robot), base, angles, np.zeros(2)).hand_pose[arm]
+    assert abs(math.sin(hand[2])) > 0.1
+    assert abs(math.cos(hand[2])) > 0.1
+    lever = np.array([-1.0, 1.0])[tip] * CONFIG.robot.arm.hand.tip_offset  # along the hand's x axis
+    in_hand = np.array([0.3, -1.7, lever * -1.7])
+    perception.take_wrench(arm, PlaneSample(0, ("left_hand", "right_hand")[arm], in_hand))
+    state = np.zeros(1, PLANT_STATE)[0]
+    perception.tell(still, state)
+    ahead = np.array([math.cos(hand[2]), math.sin(hand[2])])  # the hand's x axis in the world
+    across = np.array([-math.sin(hand[2]), math.cos(hand[2])])
+    force = 0.3 * ahead - 1.7 * across
+    assert state["hand_wrench"][arm] == pytest.approx([*force, in_hand[2]], abs=1e-12)
+    assert state["tip_force"][arm, tip] == pytest.approx(force, abs=1e-12)
+    assert state["tip_contact"][arm].tolist() == [tip == 0, tip == 1]
+    assert not state["hand_wrench"][1 - arm].any()
+    assert not state["tip_force"][arm, 1 - tip].any()
 
 
 def test_a_state_that_is_told_back_is_the_state():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
@@ -41,21 +43,45 @@ def test_draws_are_standard_normal_and_unlike_their_neighbours():
     assert abs(np.corrcoef(draws[0], other_seed)[0, 1]) < 0.06
 
 
-def test_each_sensor_has_its_own_noise():
+SPREADS = {
+    "base_pose": [1e-3, 1e-3, 2e-3],
+    "base_twist": [3e-3, 3e-3, 4e-3],
+    "target_pose": [1e-3, 1e-3, 2e-3],
+    "target_twist": [3e-3, 3e-3, 4e-3],
+    "joint_angle": 6 * [5e-4],
+    "joint_rate": 6 * [6e-3],
+    "hand_wrench": 2 * [7e-3, 7e-3, 8e-4],
+}
+
+
+def _sensed(state, ticks=2000):
+    """What is seen of this state at so many ticks, less the state itself, by field: shape (ticks, numbers)."""
     noise = record_of(revised(MissionConfig(), nested(NOISY)))["sensing"]["noise"]
-    state, seen = np.zeros(1, PLANT_STATE)[0], np.zeros(1, PLANT_STATE)
-    kept = []
-    for tick in range(2000):
+    seen, kept = np.zeros(1, PLANT_STATE), []
+    for tick in range(ticks):
         state["tick"] = tick
         sense(noise, 5, state, seen)
         kept.append(seen[0].copy())
-    spread = {name: np.std([row[name] for row in kept], axis=0) for name in PLANT_STATE.names}
-    assert spread["target_pose"] == pytest.approx([1e-3, 1e-3, 2e-3], rel=0.1)
-    assert spread["base_twist"] == pytest.approx([3e-3, 3e-3, 4e-3], rel=0.1)
-    assert spread["joint_angle"].ravel() == pytest.approx(6 * [5e-4], rel=0.1)
-    assert spread["joint_rate"].ravel() == pytest.approx(6 * [6e-3], rel=0.1)
-    assert spread["hand_wrench"].ravel() == pytest.approx(2 * [7e-3, 7e-3, 8e-4], rel=0.1)
-    assert not spread["momentum"].any()
+    fields = [name for name in PLANT_STATE.names if name != "tick"]
+    return {name: np.array([np.ravel(row[name] - state[name]) for row in kept], float) for name in fields}
+
+
+def test_every_channel_has_the_noise_of_its_own_sensor_around_the_true_value():
+    state = np.zeros(1, PLANT_STATE)[0]
+    for place, name in enumerate(SPREADS):
+        state[name] = np.arange(state[name].size).reshape(state[name].shape) + 10.0 * place
+    sensed = _sensed(state)
+    for name, errors in sensed.items():
+        spread = np.array(SPREADS.get(name, [0.0] * errors.shape[1]))
+        assert errors.std(axis=0) == pytest.approx(spread, rel=0.1), name
+        assert np.abs(errors.mean(axis=0)).max() <= 5.0 * spread.max() / math.sqrt(len(errors)), name
+
+
+def test_no_two_channels_hear_the_same_noise():
+    sensed = _sensed(np.zeros(1, PLANT_STATE)[0])
+    channels = np.hstack([sensed[name] for name in SPREADS])
+    assert channels.shape[1] == 30
+    assert np.abs(np.corrcoef(channels.T) - np.eye(30)).max() < 0.1
 
 
 def test_without_noise_nothing_changes_by_the_seed():

@@ -13,7 +13,7 @@ UNITS = {"1", "s", "m", "rad", "m/s", "rad/s", "N", "N m", "m2", "N s", "N m s"}
 def test_every_number_of_a_tick_has_one_column():
     count = sum(int(np.prod(TICK[quantity.name].shape)) for quantity in QUANTITIES)
     assert len(COLUMNS) == count
-    assert len({(column.quantity, column.index) for column in COLUMNS}) == count
+    assert len({(column.quantity, column.place) for column in COLUMNS}) == count
 
 
 def test_names_are_unique_and_units_si():
