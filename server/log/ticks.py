@@ -89,8 +89,9 @@ class TickLayout:
         self._is_todays = schema.data == tick_schema().data
         self._stored = _columns_in(schema)
         known = _todays_columns()
-        self._known = [(each, known[each.name]) for each in self._stored if each.name in known]
-        found = {column.name for _, column in self._known}
+        self.known = tuple((each, known[each.name]) for each in self._stored if each.name in known)
+        """Columns of the log, and those of today that they are."""
+        found = {column.name for _, column in self.known}
         self.absent = tuple(column for column in COLUMNS if column.name not in found)
         """Columns of today that the log lacks: not a number where they are floating, else 0."""
         self.further = tuple(each for each in self._stored if each.name not in known)
@@ -111,7 +112,7 @@ class TickLayout:
             todays: Bytes = payloads.view(CDR_TICK)["tick"].astype(TICK)
             return todays
         rows, ticks = self._rows(payloads), np.zeros(len(payloads), TICK)
-        for stored, column in self._known:
+        for stored, column in self.known:
             column_values(ticks, column)[:] = rows[stored.name]
         for column in self.absent:
             if TICK[column.quantity].base.kind == "f":

@@ -20,7 +20,7 @@ from server.presets import PresetStore
 from server.run_index import RunIndex, RunQuery
 from server.runs import RunStore
 from server.studies import StudyStore
-from sim.capture.tick import COLUMNS, column_values
+from sim.capture.tick import column_values
 from sim.configurations import named_configuration, read_config_file, revised
 
 GOLDEN = Path(__file__).parent / "golden" / "data_folder_of_0_1_0.tar.xz"
@@ -62,7 +62,10 @@ def test_every_tick_of_a_run_is_read_to_the_last_bit(data: Path, run_id: str) ->
     stored = _columns_by_schema(reader.log_path)
     ticks = np.concatenate(list(reader.chunks()))
     assert len(ticks) == reader.tick_count == reader.record.ticks == len(stored["tick"])
-    read = {column.name.removeprefix("mission.").replace(".", "_"): column_values(ticks, column) for column in COLUMNS}
+    layout = reader.layout()
+    read = {each.name: column_values(ticks, column) for each, column in layout.known}
+    kept = [chunk.payloads for chunk in reader.stored_chunks()]
+    read |= {each.name: np.concatenate([layout.values(chunk, each) for chunk in kept]) for each in layout.further}
     for name, values in stored.items():
         assert read[name].tobytes() == values.tobytes(), name
 
