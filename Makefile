@@ -55,7 +55,7 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 
 compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; nothing to do the next time
 	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
-	$(BIN)/python -c "from server.screening import prepare_replay; prepare_replay()"
+	$(BIN)/python -c "from server.library.replay_session import prepare_replay; prepare_replay()"
 
 client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py

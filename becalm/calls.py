@@ -19,8 +19,8 @@ from server.api.health import Health
 from server.api.mission import Arming
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
-from server.control import ControlCommand
-from server.inbox import CommandAnswer
+from server.mission.control import ControlCommand
+from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from sim.errors import CaptureError
 

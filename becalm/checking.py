@@ -11,8 +11,8 @@ from typing import Any
 from becalm.serving import address
 from becalm.sockets import bound_socket
 from server.app import create_app
-from server.console import STATIC
-from server.data_folder import require_free
+from server.pages.console import STATIC
+from server.process.data_folder import require_free
 from server.settings import Chosen, Settings
 from server.versions import becalm_version
 from sim.claim import has_locks

@@ -264,7 +264,7 @@ def run(
         changes = merged(changes, {"simulation": {"seed": seed}})
     config = revised(named_configuration(configuration), changes)
     from becalm import running, summary  # noqa: PLC0415 - the simulation takes a second to load
-    from server.runs import RunStore  # noqa: PLC0415
+    from server.library.runs import RunStore  # noqa: PLC0415
 
     store = RunStore(Settings.from_environment().data_dir / "runs")
     record = running.run(store, configuration, config, direct=direct, log=running.log_file(log) if log else None)
@@ -284,7 +284,7 @@ def replay(*, run_id: str, as_json: bool) -> None:
     Both are compared with the log tick by tick; the first difference is named.
     """
     from becalm import replaying  # noqa: PLC0415 - the simulation takes a second to load
-    from server.runs import RunStore  # noqa: PLC0415
+    from server.library.runs import RunStore  # noqa: PLC0415
 
     store = RunStore(Settings.from_environment().data_dir / "runs")
     report = replaying.replay(store.latest() if run_id == "latest" else store.read(run_id))

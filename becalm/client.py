@@ -33,8 +33,8 @@ from becalm.calls import Call, ProxyUnusable, ServiceRefused, ServiceUnreachable
 from server.api.config import ConfigBody
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
-from server.arming import TO_BE_ARMED
-from server.inbox import CommandAnswer
+from server.mission.arming import TO_BE_ARMED
+from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from sim.errors import CaptureError
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 import numpy as np
 
-from server.run_folder import RunReader, TickArray
+from server.library.folder import RunReader, TickArray
 from sim.capture.mission import prepare
 from sim.capture.replay import Difference, controlled, first_difference, rerun
 from sim.capture.tick import TICK, column_values

@@ -22,7 +22,7 @@ from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings
 from server.link.robot_rest import create_robot_app
-from server.realtime import schedule_realtime, switch_promptly
+from server.process.realtime import schedule_realtime, switch_promptly
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
 

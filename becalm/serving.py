@@ -20,12 +20,12 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
-from server.connections import Connections, bounded_http, raise_descriptor_limit
-from server.data_folder import owned
-from server.feed import Feed
-from server.paced_sockets import SOCKET_OPTIONS
-from server.realtime import schedule_realtime
-from server.service_log import Moment, ServiceLog
+from server.edge.connections import Connections, bounded_http, raise_descriptor_limit
+from server.edge.paced_sockets import SOCKET_OPTIONS
+from server.mission.feed import Feed
+from server.process.data_folder import owned
+from server.process.realtime import schedule_realtime
+from server.process.service_log import Moment, ServiceLog
 from server.settings import Settings
 
 ANY_ADDRESS = ("0.0.0.0", "::", "")

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from server.cluster import cluster_workers
+from server.studies.cluster import cluster_workers
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
 from sim.study.cores import cores

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from server.run_folder import RunRecord
+from server.library.folder import RunRecord
 from sim.capture.snapshot import Outcome
 
 _HEADLINES = {

@@ -24,8 +24,8 @@ import httpx
 import msgspec
 import viser
 
-from server.run_folder import TickArray
-from server.runs import RunStore, new_record
+from server.library.folder import TickArray
+from server.library.runs import RunStore, new_record
 from sim.capture.run import run_capture
 from sim.configurations import named_configuration
 

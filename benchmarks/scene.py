@@ -27,7 +27,7 @@ if (window === top) {
   localStorage.setItem("becalm-scene", "%s");
 }
 """
-"""Notes when the scene tells how far it is (server/scene_page.py)."""
+"""Notes when the scene tells how far it is (server/pages/scene_page.py)."""
 
 RENDERER = """() => {
   const context = document.createElement("canvas").getContext("webgl2");

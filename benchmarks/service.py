@@ -25,10 +25,10 @@ import httpx
 from prometheus_client.parser import text_string_to_metric_families
 from websockets.asyncio.client import connect
 
-from server.export import MEDIA_TYPES, exported
-from server.run_folder import RunReader
-from server.runs import RunStore, new_record
-from server.scripted import fly
+from server.library.export import MEDIA_TYPES, exported
+from server.library.folder import RunReader
+from server.library.runs import RunStore, new_record
+from server.library.scripted import fly
 from sim.capture.mission import prepare
 from sim.configurations import named_configuration
 

@@ -15,12 +15,12 @@ from fastapi.routing import APIRoute
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
-from server import scene_proxy
 from server.access.attempts import Attempts
 from server.access.audit import AuditLog
 from server.access.cookie import SessionCookie
 from server.access.guard import Access, Guard
 from server.access.headers import SecurityHeaders
+from server.access.origin import SameOrigin
 from server.access.tokens import TokenStore
 from server.api import (
     PREFIX,
@@ -32,39 +32,39 @@ from server.api import (
     mission,
     playback,
     presets,
-    problem_json,
     runs,
     scene,
     session,
     studies,
     telemetry,
 )
-from server.api.bodies import JsonBodies
-from server.api.methods import HeadAsGet
-from server.api.origin import SameOrigin
-from server.api.prefix import ForwardedPrefix
 from server.api.services import Services
-from server.api.turns import Turns
-from server.aside import Aside
-from server.cluster import cluster_workers
-from server.console import serve_console
-from server.disk import GIGABYTE, DiskGuard
-from server.feed import Feed
-from server.link.flown import link_of
-from server.loop import MissionLoop
-from server.playbacks import Playbacks
-from server.presets import PresetStore
-from server.projector import Projector
-from server.realtime import switch_promptly
-from server.recorder import Recorder
-from server.retention import Expired, keep_removing
-from server.run_index import RunIndex
-from server.runs import RunStore
+from server.edge import problem_json
+from server.edge.bodies import JsonBodies
+from server.edge.methods import HeadAsGet
+from server.edge.prefix import ForwardedPrefix
+from server.edge.turns import Turns
+from server.library.index import RunIndex
+from server.library.presets import PresetStore
+from server.library.recorder import Recorder
+from server.library.replay_sessions import Playbacks
+from server.library.retention import Expired, keep_removing
+from server.library.runs import RunStore
+from server.library.scripted import ScriptedRuns
+from server.link.from_settings import link_of
+from server.mission.feed import Feed
+from server.mission.loop import MissionLoop
+from server.mission.projector import Projector
+from server.pages import scene_proxy
+from server.pages.console import serve_console
+from server.process.aside import Aside
+from server.process.disk import GIGABYTE, DiskGuard
+from server.process.realtime import switch_promptly
 from server.scene import Scene
-from server.scripted import ScriptedRuns
 from server.settings import Settings
-from server.studies import StudyStore
-from server.study_queue import StudyQueue
+from server.studies.cluster import cluster_workers
+from server.studies.queue import StudyQueue
+from server.studies.store import StudyStore
 from server.versions import becalm_version
 from sim.errors import ConfigError
 from sim.study.executors import Workers, local_workers

@@ -6,9 +6,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from server.arming import Armed
-from server.control import Control
-from server.problems import Problem
+from server.mission.arming import Armed
+from server.mission.control import Control
+from server.mission.problems import Problem
 from sim.capture.snapshot import Published, Snapshot
 
 

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from server.access.authority import host_name
+from server.edge.authority import host_name
 from server.link.bounds import Bounds, ListedBounds, ListedFrame, WristFrame
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised

@@ -16,7 +16,7 @@ from server.access.cookie import SessionCookie
 from server.access.lease import run_answer, run_socket
 from server.access.roles import WEBSOCKET, Role, needed_role
 from server.access.tokens import Holder, TokenStore
-from server.api.problem_json import ProblemDocument, problem_answer
+from server.edge.problem_json import ProblemDocument, problem_answer
 from server.texts import shortened
 
 ANYONE = Holder("operator", Role.ADMIN)

@@ -22,7 +22,7 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationErro
 
 from server.access.roles import Role
 from server.files import read_document, replace_file
-from server.problems import StoredUnreadable
+from server.mission.problems import StoredUnreadable
 from sim.claim import Claim
 from sim.errors import ConfigError
 

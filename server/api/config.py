@@ -13,12 +13,12 @@ from fastapi import APIRouter, Body, Header, Response
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from server.api.mission import answered
-from server.api.problem_json import responses
+from server.api.parameter_titles import group_title, parameter_title
 from server.api.services import AskerDep, Services, ServicesDep
-from server.api.values import Changes
-from server.inbox import Request, Revision, arguments_of
-from server.parameter_titles import group_title, parameter_title
-from server.problems import ConfigOutdated
+from server.edge.problem_json import responses
+from server.edge.values import Changes
+from server.mission.inbox import Request, Revision, arguments_of
+from server.mission.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
 

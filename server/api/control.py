@@ -8,10 +8,10 @@ from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.mission import answered
-from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
-from server.control import Control, ControlCommand
-from server.inbox import CommandAnswer, Request
+from server.edge.problem_json import responses
+from server.mission.control import Control, ControlCommand
+from server.mission.inbox import CommandAnswer, Request
 from sim.errors import MissionRefused
 
 router = APIRouter(prefix="/mission/control", tags=["mission"])

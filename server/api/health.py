@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.services import ServicesDep
-from server.loop import LoopStatus
+from server.mission.loop import LoopStatus
 from server.versions import becalm_version
 
 router = APIRouter(tags=["service"])

@@ -7,8 +7,8 @@ import asyncio
 from fastapi import APIRouter
 from pydantic import Field
 
-from server.api.problem_json import responses
 from server.api.services import AskerDep, ServicesDep
+from server.edge.problem_json import responses
 from server.link.status import NO_LINK, LinkStatus, status_of
 from sim.capture.snapshot import Published
 from sim.control.phases import Phase

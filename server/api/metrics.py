@@ -21,10 +21,10 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
 
 from server.api.services import Services, ServicesDep
-from server.feed import Subscriber
-from server.pace import LATENESS_BOUNDS, Pace
+from server.mission.feed import Subscriber
+from server.mission.pace import LATENESS_BOUNDS, Pace
+from server.pages.scene_proxy import Traffic, traffic
 from server.published import MissionSnapshot
-from server.scene_proxy import Traffic, traffic
 from server.versions import becalm_version
 from sim.control.phases import Phase
 

@@ -10,16 +10,16 @@ from typing import Annotated, Any, Literal, Self
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from server.api.problem_json import responses
 from server.api.services import AskerDep, Services, ServicesDep
-from server.api.values import Changes, Integer, Number, ShortText
-from server.arming import ARMED_TIME, ArmedCommand
-from server.fork import Flight, Fork, forked
-from server.history import History
-from server.inbox import CommandAnswer, Request, Revision, arguments_of
-from server.problems import LoopSilent
+from server.edge.problem_json import responses
+from server.edge.values import Changes, Integer, Number, ShortText
+from server.library.folder import LoggedEvent
+from server.mission.arming import ARMED_TIME, ArmedCommand
+from server.mission.fork import Flight, Fork, forked
+from server.mission.history import History
+from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of
+from server.mission.problems import LoopSilent
 from server.published import MissionSnapshot
-from server.run_folder import LoggedEvent
 from server.versions import versions
 from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS, revised
 from sim.errors import MissionRefused, RunNotFound

@@ -14,15 +14,15 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from server.api.problem_json import document_of
 from server.api.runs import RunId
 from server.api.scene import SceneChange
 from server.api.services import ServicesDep
-from server.feed import snapshot_text
-from server.playbacks import Playbacks
-from server.problems import ServiceBusy
+from server.edge.problem_json import document_of
+from server.library.replay_session import Opened, Screening
+from server.library.replay_sessions import Playbacks
+from server.mission.feed import snapshot_text
+from server.mission.problems import ServiceBusy
 from server.scene import CAMERAS
-from server.screening import Opened, Screening
 from sim.errors import CaptureError
 
 TRY_AGAIN_LATER, POLICY = 1013, 1008

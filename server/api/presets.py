@@ -9,11 +9,11 @@ from fastapi import APIRouter, Response
 from fastapi import Path as InPath
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.api.problem_json import responses
 from server.api.services import AskerDep, ServicesDep
-from server.api.values import Changes, ShortText
-from server.presets import NAME, Preset, UnreadablePreset
-from server.run_folder import wall_clock
+from server.edge.problem_json import responses
+from server.edge.values import Changes, ShortText
+from server.library.folder import wall_clock
+from server.library.presets import NAME, Preset, UnreadablePreset
 from sim.config import MissionConfig
 from sim.errors import ConfigError
 

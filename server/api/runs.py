@@ -13,17 +13,15 @@ from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, TypeAdapter
 
-from server.api.etags import IfNoneMatch, etag, known_or_new, tagged
-from server.api.problem_json import responses
 from server.api.services import Services, ServicesDep
-from server.api.streamed import Streamed
-from server.api.values import Changes, Flag, Instant, Integer, ShortText
-from server.decimated import decimated
-from server.export import MEDIA_TYPES, LogFormat, Span, exported
-from server.history import History
-from server.live_mission import display_name
-from server.run_changes import ParameterChange, changes_of
-from server.run_folder import (
+from server.edge.etags import IfNoneMatch, etag, known_or_new, tagged
+from server.edge.problem_json import responses
+from server.edge.streamed import Streamed
+from server.edge.values import Changes, Flag, Instant, Integer, ShortText
+from server.library.changes import ParameterChange, changes_of
+from server.library.decimated import decimated
+from server.library.export import MEDIA_TYPES, LogFormat, Span, exported
+from server.library.folder import (
     Integrity,
     LoggedEvent,
     Note,
@@ -35,8 +33,10 @@ from server.run_folder import (
     RunStatus,
     Tag,
 )
-from server.run_index import RunIndex, RunQuery, SortKey
-from server.runs import RunStore, new_record
+from server.library.index import RunIndex, RunQuery, SortKey
+from server.library.runs import RunStore, new_record
+from server.mission.history import History
+from server.mission.live_mission import display_name
 from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised

@@ -7,9 +7,9 @@ import asyncio
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from server.api.problem_json import responses
 from server.api.services import ServicesDep
-from server.api.values import Flag
+from server.edge.problem_json import responses
+from server.edge.values import Flag
 from server.scene import CAMERAS, LAYERS, CameraName, Scene
 
 router = APIRouter(prefix="/scene", tags=["mission"])

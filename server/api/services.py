@@ -9,21 +9,21 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from server.access.guard import Access, holder_of
-from server.aside import Aside
-from server.disk import DiskGuard
-from server.feed import Feed
+from server.library.index import RunIndex
+from server.library.presets import PresetStore
+from server.library.recorder import Recorder
+from server.library.replay_sessions import Playbacks
+from server.library.runs import RunStore
+from server.library.scripted import ScriptedRuns
 from server.link.robot_link import RobotLink
-from server.loop import MissionLoop
-from server.playbacks import Playbacks
-from server.presets import PresetStore
-from server.recorder import Recorder
-from server.run_index import RunIndex
-from server.runs import RunStore
+from server.mission.feed import Feed
+from server.mission.loop import MissionLoop
+from server.process.aside import Aside
+from server.process.disk import DiskGuard
 from server.scene import Scene
-from server.scripted import ScriptedRuns
 from server.settings import Settings
-from server.studies import StudyStore
-from server.study_queue import StudyQueue
+from server.studies.queue import StudyQueue
+from server.studies.store import StudyStore
 
 
 @dataclass(frozen=True)

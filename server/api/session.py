@@ -10,8 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.access.guard import holder_of, unknown_token
 from server.access.roles import Role
 from server.access.tokens import Holder
-from server.api.problem_json import responses
 from server.api.services import ServicesDep
+from server.edge.problem_json import responses
 
 router = APIRouter(prefix="/session", tags=["access"])
 

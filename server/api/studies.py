@@ -13,16 +13,16 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 from starlette.convertors import StringConvertor, register_url_convertor
 
-from server.api.etags import IfNoneMatch, known_or_new, tagged
-from server.api.problem_json import responses
 from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
-from server.api.streamed import Streamed
-from server.api.values import Changes, Flag, Integer, ShortText
-from server.live_mission import display_name
-from server.problems import StudyNotFound
-from server.runs import new_record
-from server.studies import StudyRecord, StudyStatus, StudyStore
+from server.edge.etags import IfNoneMatch, known_or_new, tagged
+from server.edge.problem_json import responses
+from server.edge.streamed import Streamed
+from server.edge.values import Changes, Flag, Integer, ShortText
+from server.library.runs import new_record
+from server.mission.live_mission import display_name
+from server.mission.problems import StudyNotFound
+from server.studies.store import StudyRecord, StudyStatus, StudyStore
 from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
 from sim.study.design import Study, altered, configured, study_of
 from sim.study.export import TableFormat, export

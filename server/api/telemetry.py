@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
 from server.api.services import Services, ServicesDep
-from server.feed import Feed, Subscriber
+from server.mission.feed import Feed, Subscriber
 from server.settings import TELEMETRY_RATE_LIMITS
 from server.versions import becalm_version
 

@@ -25,7 +25,7 @@ from server.link.faults import Faults, Outbox, Sensor
 from server.link.gate import Gate, Limits, Verdict
 from server.link.imperfections import Imperfections, Sensors
 from server.link.session import LinkSession, Transport
-from server.realtime import punctual
+from server.process.realtime import punctual
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised

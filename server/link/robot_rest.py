@@ -5,11 +5,11 @@ from __future__ import annotations
 from fastapi import FastAPI, HTTPException
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.api import problem_json
-from server.api.bodies import JsonBodies
-from server.api.methods import HeadAsGet
-from server.api.origin import SameOrigin
-from server.api.values import Integer, Number
+from server.access.origin import SameOrigin
+from server.edge import problem_json
+from server.edge.bodies import JsonBodies
+from server.edge.methods import HeadAsGet
+from server.edge.values import Integer, Number
 from server.link.faults import Faults
 from server.link.robot_emulator import RobotEmulator, RobotStatus
 from server.settings import LOOPBACK_NAMES

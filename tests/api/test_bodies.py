@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from server.api.bodies import LARGEST_BODY, JsonBodies
+from server.edge.bodies import LARGEST_BODY, JsonBodies
 
 
 def problem(answer: httpx.Response, status: int) -> dict:

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from becalm.cli import main
 from becalm.sockets import bound_socket
-from server.runs import RunStore
+from server.library.runs import RunStore
 from server.settings import Settings
 
 PROMISED = {

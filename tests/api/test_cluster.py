@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 from becalm.cli import main
-from server import cluster
+from server.studies import cluster
 from sim.study.design import Study, study_of
 from sim.study.executors import WorkersUnavailable
 from sim.study.flight import Flight

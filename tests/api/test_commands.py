@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from server.inbox import Request
+from server.mission.inbox import Request
 from sim.errors import MissionRefused
 
 ACTIVE = {"capture": "detumbling", "detumble": "detumbling", "cage": "caging", "direct_cage": "caging"}

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from server.live_run import LiveRun
-from server.recorder import Recorder
-from server.run_index import RunIndex
-from server.runs import RunStore, new_record
-from server.scripted import fly
+from server.library.index import RunIndex
+from server.library.recorder import Recorder
+from server.library.runs import RunStore, new_record
+from server.library.scripted import fly
+from server.mission.live_run import LiveRun
 from sim.capture.mission import Mission
 from sim.capture.run import run_capture
 from sim.configurations import named_configuration

@@ -11,9 +11,9 @@ import httpx
 import pytest
 
 from server.app import create_app
-from server.run_folder import RECORD_NAME, Remarks
-from server.runs import RunStore, new_record
-from server.studies import StudyStore
+from server.library.folder import RECORD_NAME, Remarks
+from server.library.runs import RunStore, new_record
+from server.studies.store import StudyStore
 from sim.config import MissionConfig
 from sim.study.design import study_of
 
@@ -110,7 +110,7 @@ async def test_of_two_changes_with_one_etag_one_is_refused(console):
 
 
 async def test_runs_at_once_never_pass_the_bound(console, monkeypatch):
-    monkeypatch.setattr("server.scripted.CAPACITY", 5)
+    monkeypatch.setattr("server.library.scripted.CAPACITY", 5)
     monkeypatch.setattr(console.services.scripted, "_fly_next", lambda: None)
     answers = await asyncio.gather(*(console.http.post("/runs", json={}) for _ in range(12)))
     assert sorted(answer.status_code for answer in answers) == [202] * 5 + [503] * 7

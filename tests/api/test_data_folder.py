@@ -14,11 +14,11 @@ from click.testing import CliRunner
 
 from becalm import cli
 from becalm.cli import main
-from server.data_folder import owned
-from server.problems import DataFolderInUse
+from server.mission.problems import DataFolderInUse
+from server.process.data_folder import owned
 
 OWN = (
-    "import sys, pathlib, server.data_folder as d\n"
+    "import sys, pathlib, server.process.data_folder as d\n"
     "with d.owned(pathlib.Path(sys.argv[1]), 'http://127.0.0.1:8160/'):\n"
     "    print('owned', flush=True); input()"
 )

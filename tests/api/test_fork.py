@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from becalm.replaying import replay
-from server import fork
 from server.api import mission as api
+from server.mission import fork
 
 FORK = 3600
 """In the middle of the first touch of `published`, which lasts from 3.456 s to 4.116 s after the command."""

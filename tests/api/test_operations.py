@@ -19,7 +19,7 @@ import websockets
 import websockets.sync.client
 from prometheus_client.parser import text_string_to_metric_families
 
-from server.runs import RunStore
+from server.library.runs import RunStore
 from server.settings import Settings
 
 PATIENCE = 180.0

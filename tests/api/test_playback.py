@@ -13,7 +13,7 @@ import viser
 from websockets.asyncio import client as websocket
 from websockets.exceptions import ConnectionClosed
 
-from server import playbacks
+from server.library import replay_sessions
 from server.settings import Settings
 
 PATIENCE = 180.0
@@ -133,7 +133,7 @@ async def _opened(served, run) -> None:
 
 
 async def test_only_so_many_at_once(served, run, monkeypatch):
-    monkeypatch.setattr(playbacks, "AT_ONCE", 1)
+    monkeypatch.setattr(replay_sessions, "AT_ONCE", 1)
     async with asyncio.timeout(PATIENCE):
         while True:
             async with _watching(served, run["id"]) as watcher:

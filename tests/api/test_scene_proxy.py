@@ -15,11 +15,11 @@ from fastapi import FastAPI
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
-from server import scene_proxy
-from server.api.origin import SameOrigin
+from server.access.origin import SameOrigin
+from server.pages import scene_proxy
+from server.pages.scene_light import lightened
+from server.pages.scene_page import HEAD
 from server.scene import Scene
-from server.scene_light import lightened
-from server.scene_page import HEAD
 from sim.config import MissionConfig
 
 PATIENCE = 180.0

@@ -13,9 +13,9 @@ import numpy as np
 from fastapi import FastAPI
 
 from server.app import create_app
-from server.console import serve_console
-from server.run_folder import RunWriter
-from server.runs import RunStore, new_record
+from server.library.folder import RunWriter
+from server.library.runs import RunStore, new_record
+from server.pages.console import serve_console
 from server.settings import Settings
 from sim.capture.tick import TICK
 from sim.configurations import named_configuration

@@ -10,8 +10,8 @@ from typing import Any
 import pyarrow.parquet
 import pytest
 
-from server import study_queue
 from server.app import create_app
+from server.studies import queue as study_queue
 from sim.study.design import study_of
 
 PATIENCE = 180.0

@@ -7,8 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from server.runs import RunStore, new_record
-from server.scripted import fly
+from server.library.runs import RunStore, new_record
+from server.library.scripted import fly
 from sim.configurations import named_configuration
 
 PATIENCE = 180.0

@@ -11,7 +11,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, expect
 
-from server.arming import TO_BE_ARMED
+from server.mission.arming import TO_BE_ARMED
 
 from .ends import (
     PATIENCE,

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from server import files
-from server.problems import StoredUnreadable
-from server.retention import remove_expired
-from server.run_folder import Note, Remarks
-from server.run_index import RunIndex, RunQuery
-from server.runs import RunStore, new_record
-from server.studies import StudyStore
+from server.library.folder import Note, Remarks
+from server.library.index import RunIndex, RunQuery
+from server.library.retention import remove_expired
+from server.library.runs import RunStore, new_record
+from server.mission.problems import StoredUnreadable
+from server.studies.store import StudyStore
 from sim.config import MissionConfig
 from sim.errors import RunNotFound
 from sim.study.design import study_of

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 import viser._messages as viser_messages
 
-from server.scene_words import FARTHEST, LARGEST, heard
+from server.pages.scene_words import FARTHEST, LARGEST, heard
 
 CAMERA = {
     "type": "ViewerCameraMessage",

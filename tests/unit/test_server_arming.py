@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from server.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, Moment
-from server.inbox import Request, arguments_of
+from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, Moment
+from server.mission.inbox import Request, arguments_of
 from sim.errors import MissionRefused
 
 IDLE = Moment("run-1", "idle")

@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from server import aside
-from server.aside import Aside, PiecesLost
-from server.problems import ServiceBusy
+from server.mission.problems import ServiceBusy
+from server.process import aside
+from server.process.aside import Aside, PiecesLost
 from sim.errors import RunNotFound
 
 PATIENCE = 120.0

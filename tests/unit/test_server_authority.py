@@ -8,8 +8,8 @@ from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse
 from starlette.routing import Route
 
-from server.access.authority import Authority, host_name, is_same, read_authority, read_origin
-from server.api.origin import SameOrigin
+from server.access.origin import SameOrigin
+from server.edge.authority import Authority, host_name, is_same, read_authority, read_origin
 from server.settings import Settings
 from sim.errors import ConfigError
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from server.causes import LINK, LINK_CAUSES, PLANT, PLANT_CAUSES, VERDICT, VERDICT_CAUSES, cause_of
-from server.problems import problem_of
+from server.mission.causes import LINK, LINK_CAUSES, PLANT, PLANT_CAUSES, VERDICT, VERDICT_CAUSES, cause_of
+from server.mission.problems import problem_of
 from sim.capture.events import Event
 
 TOLD = {

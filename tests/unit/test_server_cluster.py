@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from server import cluster
-from server.cluster import cluster_workers
+from server.studies import cluster
+from server.studies.cluster import cluster_workers
 from sim.study.executors import WorkersUnavailable
 
 

@@ -9,9 +9,9 @@ import pytest
 from fastapi import FastAPI
 from fastapi.responses import Response, StreamingResponse
 
-from server.api.methods import HeadAsGet
 from server.app import compress
-from server.console import serve_console
+from server.edge.methods import HeadAsGet
+from server.pages.console import serve_console
 
 TEXT = b"0.25,0.5,1.0\n" * 5000
 

@@ -12,8 +12,8 @@ import httpx
 import pytest
 import uvicorn
 
-from server import connections
-from server.connections import Connections, bounded_http, raise_descriptor_limit
+from server.edge import connections
+from server.edge.connections import Connections, bounded_http, raise_descriptor_limit
 
 PATIENCE = 120.0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.control import Control
+from server.mission.control import Control
 from sim.errors import MissionRefused
 
 NOW = "2026-11-25T12:00:00.000+00:00"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from server.decimated import decimated
-from server.export import Span, exported
-from server.history import PLOTTED
-from server.runs import RunStore, new_record
+from server.library.decimated import decimated
+from server.library.export import Span, exported
+from server.library.runs import RunStore, new_record
+from server.mission.history import PLOTTED
 from sim.capture.tick import TICK
 from sim.configurations import named_configuration
 

@@ -7,8 +7,8 @@ import shutil
 
 import pytest
 
-from server.disk import DiskGuard
-from server.problems import DataFolderLost, DiskFull
+from server.mission.problems import DataFolderLost, DiskFull
+from server.process.disk import DiskGuard
 
 
 def test_there_is_room(tmp_path):

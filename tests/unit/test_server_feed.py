@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from server.feed import CAPACITY, WINDOW, Feed, Frame, Subscriber
+from server.mission.feed import CAPACITY, WINDOW, Feed, Frame, Subscriber
 
 RATE = 60.0
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from server.history import CAPACITY, FIRST_STRIDE, PLOTTED, HistoryRing
+from server.mission.history import CAPACITY, FIRST_STRIDE, PLOTTED, HistoryRing
 from sim.capture.tick import TICK
 
 NAMES = [column.name for column in PLOTTED]

@@ -18,7 +18,7 @@ from server.log.ticks import (
     tick_payloads,
     tick_schema,
 )
-from server.problems import StoredUnreadable
+from server.mission.problems import StoredUnreadable
 from sim.capture.tick import COLUMNS, TICK, column_values
 
 OTHER = [

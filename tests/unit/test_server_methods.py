@@ -9,9 +9,9 @@ import pytest
 from fastapi import APIRouter, FastAPI
 from fastapi.responses import StreamingResponse
 
-from server.api import problem_json
-from server.api.methods import HeadAsGet
-from server.console import serve_console
+from server.edge import problem_json
+from server.edge.methods import HeadAsGet
+from server.pages.console import serve_console
 
 MADE: list[int] = []
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.pace import CATCH_UP, FAST_BATCH, GIVE_UP, Pace
+from server.mission.pace import CATCH_UP, FAST_BATCH, GIVE_UP, Pace
 
 PERIOD = 1e-3
 

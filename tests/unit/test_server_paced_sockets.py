@@ -10,8 +10,8 @@ import uvicorn
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from server import paced_sockets
-from server.paced_sockets import LARGEST_MESSAGE, SOCKET_OPTIONS, Allowance
+from server.edge import paced_sockets
+from server.edge.paced_sockets import LARGEST_MESSAGE, SOCKET_OPTIONS, Allowance
 
 
 class TestAllowance:

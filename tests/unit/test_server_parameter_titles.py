@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from server.parameter_titles import group_title, parameter_title
+from server.api.parameter_titles import group_title, parameter_title
 from sim.config import PARAMETERS
 
 

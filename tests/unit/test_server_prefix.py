@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.routing import Route
 
-from server.api.prefix import ForwardedPrefix
+from server.edge.prefix import ForwardedPrefix
 
 
 async def _told(request: Request) -> PlainTextResponse:

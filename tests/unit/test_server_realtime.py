@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from server.realtime import PROCESS, PUNCTUAL, punctual, schedule_realtime
+from server.process.realtime import PROCESS, PUNCTUAL, punctual, schedule_realtime
 from sim.errors import ConfigError
 from sim.study import executors
 

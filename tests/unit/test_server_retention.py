@@ -8,10 +8,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from server import retention
-from server.retention import expired, keep_removing, remove_expired
-from server.run_folder import CLAIM_NAME, Note, Remarks
-from server.runs import RunStore, new_record
+from server.library import retention
+from server.library.folder import CLAIM_NAME, Note, Remarks
+from server.library.retention import expired, keep_removing, remove_expired
+from server.library.runs import RunStore, new_record
 from sim.claim import Claim
 from sim.configurations import named_configuration
 

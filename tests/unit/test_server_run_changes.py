@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.run_changes import MOST_CHANGES_TOLD, change_words, changed_words
+from server.library.changes import MOST_CHANGES_TOLD, change_words, changed_words
 
 
 def test_a_change_has_its_path_both_values_and_its_unit():

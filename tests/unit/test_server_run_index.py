@@ -11,10 +11,10 @@ from datetime import datetime, timedelta, timezone
 
 import pytest
 
-from server import run_index
-from server.run_folder import RECORD_NAME, Note, Remarks, write_record
-from server.run_index import FILE_NAME, RunIndex, RunQuery
-from server.runs import RunStore, new_record
+from server.library import index as run_index
+from server.library.folder import RECORD_NAME, Note, Remarks, write_record
+from server.library.index import FILE_NAME, RunIndex, RunQuery
+from server.library.runs import RunStore, new_record
 from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import nested, revised

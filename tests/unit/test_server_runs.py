@@ -10,9 +10,9 @@ import pytest
 from mcap.reader import make_reader
 
 from server.files import replace_file
-from server.run_folder import CLAIM_NAME, LoggedEvent, read_record
-from server.run_index import RunIndex
-from server.runs import RunStore, new_record, new_run_id
+from server.library.folder import CLAIM_NAME, LoggedEvent, read_record
+from server.library.index import RunIndex
+from server.library.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
 from sim.claim import Claim, is_claimed
 from sim.configurations import named_configuration

@@ -8,7 +8,7 @@ import logging
 
 import pytest
 
-from server.service_log import Moment, ServiceLog
+from server.process.service_log import Moment, ServiceLog
 from server.settings import Settings
 
 
@@ -41,7 +41,7 @@ def test_a_line_of_the_mission_knows_better_which_tick_it_is_of(written):
     marks = {"tick": 3, "who": "ana", "command": "hold", "accepted": False}
 
     def refuse() -> None:
-        logging.getLogger("server.live_mission").warning("refused", extra=marks)
+        logging.getLogger("server.mission.live_mission").warning("refused", extra=marks)
 
     line = json.loads(written(refuse, log_format="json"))
     assert {name: line[name] for name in marks} == marks

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from server.problems import StudyNotFound
-from server.studies import RECORD_NAME, StudyStore
+from server.mission.problems import StudyNotFound
+from server.studies.store import RECORD_NAME, StudyStore
 from sim.study.design import study_of
 from sim.study.run import failed_row
 from sim.study.table import StudyTable

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from server import study_estimates
-from server.study_estimates import StudyEstimates
+from server.studies import estimates as study_estimates
+from server.studies.estimates import StudyEstimates
 from sim.study import flight
 from sim.study.design import study_of
 from sim.study.executors import Workers, WorkersUnavailable

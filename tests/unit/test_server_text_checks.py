@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from server.api import text_checks
-from server.api.text_checks import DEEPEST, LONGEST_NAME, LONGEST_TEXT, fault_of_address, fault_of_body
+from server.edge import text_checks
+from server.edge.text_checks import DEEPEST, LONGEST_NAME, LONGEST_TEXT, fault_of_address, fault_of_body
 
 
 @pytest.mark.parametrize(

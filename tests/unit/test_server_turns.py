@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from server.api.turns import Turns
+from server.edge.turns import Turns
 
 
 def scope(method, path, kind="http"):

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from server.api.values import Changes, Flag, Instant, Integer, Number
+from server.edge.values import Changes, Flag, Instant, Integer, Number
 
 
 def refused(kind, value) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.run_folder import RunRecord
+from server.library.folder import RunRecord
 from sim import configurations
 from sim.capture.snapshot import Outcome
 from sim.capture.tick import QUANTITIES

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from server.presets import PresetStore
-from server.run_index import RunIndex, RunQuery
-from server.runs import RunStore
-from server.studies import StudyStore
+from server.library.index import RunIndex, RunQuery
+from server.library.presets import PresetStore
+from server.library.runs import RunStore
+from server.studies.store import StudyStore
 from sim.capture.tick import column_values
 from sim.configurations import named_configuration, read_config_file, revised
 

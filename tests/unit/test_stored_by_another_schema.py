@@ -38,11 +38,11 @@ from pathlib import Path
 import numpy as np
 
 import sim
-from server.export import Span, exported
-from server.presets import PresetStore
-from server.run_index import RunIndex, RunQuery
-from server.runs import RunStore
-from server.studies import StudyStore
+from server.library.export import Span, exported
+from server.library.presets import PresetStore
+from server.library.index import RunIndex, RunQuery
+from server.library.runs import RunStore
+from server.studies.store import StudyStore
 from sim import configurations
 from sim.capture.tick import column_values
 from sim.stored import read_parameters_file
@@ -169,7 +169,7 @@ def added(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture(scope="module")
 def renamed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree = Tree(tmp_path_factory.mktemp("renamed"))
-    for path in ("sim/capture/tick.py", "server/log/topics.py", "server/history.py"):
+    for path in ("sim/capture/tick.py", "server/log/topics.py", "server/mission/history.py"):
         tree.change(path, r'"hand_wrench"', '"true_hand_wrench"')
     tree.change("sim/capture/tick.py", r'"closed"', '"truly_closed"')
     tree.note("TICK_CHANGES", 'renamed("hand_wrench", "true_hand_wrench")', 'renamed("closed", "truly_closed")')

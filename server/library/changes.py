@@ -1,0 +1,71 @@
+"""In what a run's configuration differs from the named one that it began as."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import Field
+
+from server.library.folder import RunRecord
+from sim.capture.snapshot import Published
+from sim.config import PARAMETERS, differences
+from sim.configurations import NAMED_CONFIGURATIONS
+
+EDITED = " (edited)"
+"""How the name of a configuration ends that was changed."""
+
+SEED = "simulation.seed"
+
+MOST_CHANGES_TOLD = 6
+"""In one line; the log holds all of them."""
+
+
+class ParameterChange(Published):
+    """One parameter that is not as the named configuration has it."""
+
+    path: str
+    title: str = Field(description="What the parameter is")
+    unit: str = Field(description="1 for a pure number or a choice")
+    configured: Any = Field(description="As the named configuration has it")
+    value: Any = Field(description="As it was flown")
+
+
+def change_words(path: str, old: Any, new: Any) -> str:
+    """A change in words, each value in the unit of the configuration: "control.impedance.damping 1.5 → 3 N s/m"."""
+    unit = PARAMETERS[path].json_schema_extra["unit"]
+    return f"{path} {_value_words(old)} → {_value_words(new)}" + ("" if unit == "1" else f" {unit}")
+
+
+def _value_words(value: Any) -> str:
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def changed_words(changes: Mapping[str, tuple[Any, Any]]) -> str:
+    """Old and new value of each path, in one line that stays readable when there are many; empty without changes."""
+    words = [change_words(path, old, new) for path, (old, new) in changes.items()]
+    left = len(words) - MOST_CHANGES_TOLD
+    return "; ".join(words[:MOST_CHANGES_TOLD]) + (f"; and {left} more" if left > 0 else "")
+
+
+def base_name(configuration: str) -> str:
+    """The named configuration that an edited one came from."""
+    return configuration.removesuffix(EDITED)
+
+
+def changes_of(record: RunRecord) -> tuple[ParameterChange, ...]:
+    """What was changed, but for the seed; nothing for a configuration that is not known by its name today."""
+    named = NAMED_CONFIGURATIONS.get(base_name(record.configuration))
+    if named is None:
+        return ()
+    return tuple(
+        ParameterChange(
+            path=path,
+            title=PARAMETERS[path].description,
+            unit=PARAMETERS[path].json_schema_extra["unit"],
+            configured=old,
+            value=new,
+        )
+        for path, (old, new) in differences(named, record.config).items()
+        if path != SEED
+    )

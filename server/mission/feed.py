@@ -1,0 +1,216 @@
+"""What everyone watches: the newest snapshot, and a bounded queue of events for each subscriber.
+
+The mission thread publishes and never waits. Each frame is encoded once for all. A subscriber that does not keep up
+is sent fewer snapshots, each the newest there is; nobody else notices, and nobody is shown what has been overtaken.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+import uuid
+from collections import deque
+from typing import NamedTuple
+
+from server.library.folder import LoggedEvent
+from server.mission.history import HistoryRing
+from server.published import MissionSnapshot
+
+CAPACITY = 120
+"""Events that wait for a subscriber at most, and frames for the event loop."""
+
+WINDOW = 2
+"""Snapshots that a subscriber who acknowledges may have on the way; the next one is then the newest there is."""
+
+
+class Latest(NamedTuple):
+    """The latest snapshot and its JSON."""
+
+    snapshot: MissionSnapshot
+    encoded: str
+
+    @property
+    def frame(self) -> Frame:
+        """As a message to subscribers."""
+        return Frame("snapshot", snapshot_text(self.encoded), self.snapshot.tick, self.snapshot.service_time)
+
+
+class Frame(NamedTuple):
+    """One message to subscribers."""
+
+    kind: str
+    text: str
+    tick: int = 0
+    made_at: float = 0.0
+    """Of a snapshot, on the service's monotonic clock [s]."""
+
+
+class Subscriber:
+    """One watcher. Everything but `next` is called in the event loop by `Feed` or by the watcher's own connection."""
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self._events: deque[Frame] = deque()
+        self._snapshot: Frame | None = None
+        self._ready = asyncio.Event()
+        self._next_due = 0.0
+        self._sent_until = float("-inf")
+        self._unacknowledged: deque[int] = deque()
+        self._acknowledges = False
+        self._missed = 0
+        self.lost = 0
+        """Frames that it was not sent because it did not keep up: snapshots overtaken by newer ones, and events."""
+
+    @property
+    def waiting(self) -> int:
+        """Frames that it has not taken yet."""
+        return len(self._events) + (self._snapshot is not None)
+
+    def offer(self, frame: Frame, now: float) -> None:
+        """Queue a frame, unless it is a snapshot sooner than the subscriber's rate wants one."""
+        if frame.kind != "snapshot":
+            self._queue(frame)
+            return
+        period = 1.0 / self.rate
+        # A quarter of a period early is still this frame's turn: publishing jitters.
+        if now < self._next_due - 0.25 * period:
+            return
+        self._next_due = max(self._next_due + period, now + 0.5 * period)
+        self.show(frame)
+
+    def show(self, frame: Frame) -> None:
+        """Let this snapshot be the next one that is sent, unless a newer one was."""
+        if frame.made_at > self._sent_until:
+            self.lost += self._snapshot is not None
+            self._snapshot = frame
+            self._ready.set()
+
+    async def next(self) -> Frame:
+        """The oldest event that waits, else the newest snapshot; waits for one if there is none."""
+        while True:
+            if self._missed:
+                missed, self._missed = self._missed, 0
+                return Frame("missed", json.dumps({"type": "missed", "events": missed}))
+            if self._events:
+                return self._events.popleft()
+            if self._snapshot is not None and len(self._unacknowledged) < WINDOW:
+                return self._take_snapshot(self._snapshot)
+            self._ready.clear()
+            await self._ready.wait()
+
+    def acknowledge(self, tick: int) -> None:
+        """The watcher has drawn the snapshot of that tick."""
+        self._acknowledges = True
+        if tick in self._unacknowledged:  # a fork goes back: ticks do not only grow
+            while self._unacknowledged.popleft() != tick:
+                pass
+        self._ready.set()
+
+    def _queue(self, frame: Frame) -> None:
+        if frame.kind == "reset":  # what was before it belongs to another run
+            self._snapshot = None
+            self._unacknowledged.clear()
+        elif len(self._events) >= CAPACITY:
+            self._drop_an_event()
+        self._events.append(frame)
+        self._ready.set()
+
+    def _drop_an_event(self) -> None:
+        """Make room; that a run began is never dropped."""
+        oldest = next((event for event in self._events if event.kind == "event"), None)
+        if oldest is not None:
+            self._events.remove(oldest)
+            self._missed += 1
+            self.lost += 1
+
+    def _take_snapshot(self, frame: Frame) -> Frame:
+        self._snapshot, self._sent_until = None, frame.made_at
+        if self._acknowledges:
+            self._unacknowledged.append(frame.tick)
+        return frame
+
+
+class Feed:
+    """Published to by the mission thread, subscribed to in one event loop."""
+
+    def __init__(self) -> None:
+        self.service = uuid.uuid4().hex
+        """Tells this service from the one before a restart."""
+        self.latest: Latest | None = None
+        self.history = HistoryRing()
+        self._subscribers: set[Subscriber] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._pending: deque[Frame] = deque(maxlen=CAPACITY)
+        self._scheduled = threading.Event()
+        self._lost_by_gone = 0
+
+    @property
+    def subscribers(self) -> tuple[Subscriber, ...]:
+        """Who watches now. In the event loop only."""
+        return tuple(self._subscribers)
+
+    @property
+    def lost(self) -> int:
+        """Frames that watchers have lost since the service began. In the event loop only."""
+        return self._lost_by_gone + sum(subscriber.lost for subscriber in self._subscribers)
+
+    def attach(self, loop: asyncio.AbstractEventLoop) -> None:
+        """From now on subscribers live in this event loop."""
+        self._loop = loop
+
+    def detach(self) -> None:
+        """The event loop ends."""
+        self._loop = None
+
+    def subscribe(self, rate: float) -> Subscriber:
+        """A new watcher."""
+        subscriber = Subscriber(rate)
+        self._subscribers.add(subscriber)
+        return subscriber
+
+    def unsubscribe(self, subscriber: Subscriber) -> None:
+        """The watcher has gone."""
+        if subscriber in self._subscribers:
+            self._subscribers.remove(subscriber)
+            self._lost_by_gone += subscriber.lost
+
+    def publish(self, snapshot: MissionSnapshot) -> None:
+        """Make this the latest snapshot."""
+        self.latest = Latest(snapshot, snapshot.model_dump_json())
+        self._send(self.latest.frame)
+
+    def publish_event(self, event: LoggedEvent) -> None:
+        """Tell everyone what happened."""
+        self._send(Frame("event", '{"type":"event",' + event.model_dump_json()[1:], event.tick))
+
+    def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
+        """A new mission begins, perhaps with a past: what was before is history no more."""
+        self.history.begin(run_id, past)
+        self._send(Frame("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
+
+    def _send(self, frame: Frame) -> None:
+        loop = self._loop
+        if loop is None or not self._subscribers:
+            return
+        self._pending.append(frame)
+        # One call at a time: an event loop that is held up finds one call waiting, not thousands.
+        if not self._scheduled.is_set():
+            self._scheduled.set()
+            try:
+                loop.call_soon_threadsafe(self._distribute)
+            except RuntimeError:
+                self._loop = None  # the event loop has closed; the service is ending
+
+    def _distribute(self) -> None:
+        self._scheduled.clear()
+        now = asyncio.get_running_loop().time()
+        while self._pending:
+            frame = self._pending.popleft()
+            for subscriber in tuple(self._subscribers):
+                subscriber.offer(frame, now)
+
+
+def snapshot_text(encoded: str) -> str:
+    """The snapshot's JSON as a frame."""
+    return '{"type":"snapshot",' + encoded[1:]

@@ -1,0 +1,1 @@
+"""What browsers load: the built console, and the pages of the scenes."""

@@ -1,0 +1,1 @@
+"""The service as a process: its data folder and disk, its log, its scheduling, and the processes beside it."""

@@ -1,0 +1,1 @@
+"""Studies that are queued, flown and kept."""
