@@ -9,11 +9,11 @@ from typing import NamedTuple, get_args
 
 import click
 
+from server.library.changes import display_name
 from server.library.export import LogFormat, exported
 from server.library.folder import RunRecord
 from server.library.runs import RunStore, new_record
 from server.library.scripted import fly
-from server.mission.live_mission import display_name
 from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.errors import ConfigError, PlantError

@@ -101,7 +101,8 @@ def _cut_off_quietly(app: ASGIApp) -> ASGIApp:
 @contextlib.contextmanager
 def _logging(services: Services) -> Iterator[None]:
     """The service's log, for as long as it runs."""
-    lines = ServiceLog(services.settings, lambda: _moment(services.feed))
+    settings = services.settings
+    lines = ServiceLog(settings.log_level, settings.log_format, lambda: _moment(services.feed))
     lines.start()
     try:
         yield

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import socket
 
-from server.mission.problems import AddressInUse
+from server.errors import AddressInUse
 
 
 def bound_socket(host: str, port: int) -> socket.socket:

@@ -12,16 +12,12 @@ from typing import Any
 from anyio.to_thread import current_default_thread_limiter
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
-from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
-from server.access.attempts import Attempts
 from server.access.audit import AuditLog
-from server.access.cookie import SessionCookie
-from server.access.guard import Access, Guard
+from server.access.guard import Guard
 from server.access.headers import SecurityHeaders
 from server.access.origin import SameOrigin
-from server.access.tokens import TokenStore
 from server.api import (
     PREFIX,
     config,
@@ -41,9 +37,11 @@ from server.api import (
 from server.api.services import Services
 from server.edge import problem_json
 from server.edge.bodies import JsonBodies
+from server.edge.compression import compress
 from server.edge.methods import HeadAsGet
 from server.edge.prefix import ForwardedPrefix
 from server.edge.turns import Turns
+from server.from_settings import access_from_settings, link_from_settings, workers_from_settings
 from server.library.index import RunIndex
 from server.library.presets import PresetStore
 from server.library.recorder import Recorder
@@ -51,7 +49,6 @@ from server.library.replay_sessions import Playbacks
 from server.library.retention import Expired, keep_removing
 from server.library.runs import RunStore
 from server.library.scripted import ScriptedRuns
-from server.link.from_settings import link_of
 from server.mission.feed import Feed
 from server.mission.loop import MissionLoop
 from server.mission.projector import Projector
@@ -62,37 +59,15 @@ from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import switch_promptly
 from server.scene import Scene
 from server.settings import Settings
-from server.studies.cluster import cluster_workers
 from server.studies.queue import StudyQueue
 from server.studies.store import StudyStore
 from server.versions import becalm_version
-from sim.errors import ConfigError
-from sim.study.executors import Workers, local_workers
-
-WORTH_COMPRESSING = 1000
-"""Bytes of the smallest answer that is sent compressed: one packet carries it as it is. No answer that small holds a
-secret beside what somebody sent, so that its length tells nothing."""
-COMPRESSION_LEVEL = 5
-"""Of gzip: three quarters of the time of the highest is saved, and 3 % of the size lost."""
-COMPRESSED_HERE = 16_384
-"""Bytes of a piece that is compressed at once; a larger one in a thread."""
-COMPRESSED_ALREADY = (
-    *DEFAULT_EXCLUDED_CONTENT_TYPES,
-    "application/octet-stream",
-    "application/vnd.apache.parquet",
-    "application/x-mcap",
-    "font/*",
-)
-"""Media types that are sent as they are."""
 
 THREADS = 4
 """Requests that are answered by a thread at a time: each that computes has Python for a moment, in turn with all."""
 
 WARM_UP_PERIOD = 1.0
 """Between two looks whether the mission flies [s]."""
-
-STUDY_NICENESS = 10
-"""Of the processes that fly studies on this machine: the live mission's clock comes first."""
 
 DESCRIPTION = """Mission console for a dual-arm free-flying robot that detumbles and cages spinning debris.
 
@@ -123,10 +98,10 @@ def create_app(settings: Settings) -> FastAPI:
     recorder = Recorder(store)
     studies = StudyStore(settings.data_dir / "studies")
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
-    robot = link_of(settings, initial)
+    robot = link_from_settings(settings, initial)
     loop = MissionLoop(settings.configuration, initial, feed, recorder, disk, robot)
-    study_queue = StudyQueue(studies, partial(_study_workers, settings))
-    access = _access(settings)
+    study_queue = StudyQueue(studies, partial(workers_from_settings, settings))
+    access = access_from_settings(settings)
     live_scene, playbacks = Scene(initial), Playbacks()
     services = Services(
         settings,
@@ -171,46 +146,6 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Turns)
     _route(app)
     return app
-
-
-def compress(app: FastAPI) -> None:
-    """Send compressed what is worth it; `ConsoleFiles` does so by itself, once for each file."""
-    app.add_middleware(
-        GZipMiddleware,
-        minimum_size=WORTH_COMPRESSING,
-        compresslevel=COMPRESSION_LEVEL,
-        thread_minimum_size=COMPRESSED_HERE,
-        exclude_content_types=COMPRESSED_ALREADY,
-    )
-
-
-def _study_workers(settings: Settings) -> Workers:
-    """What flies studies now.
-
-    Raises:
-        WorkersUnavailable: the cluster cannot.
-
-    """
-    if settings.scheduler is not None:
-        return cluster_workers(settings.scheduler)
-    return local_workers(settings.study_workers, STUDY_NICENESS)
-
-
-def _access(settings: Settings) -> Access:
-    """Whom the service lets in.
-
-    Raises:
-        ConfigError: tokens are needed, and there is none.
-
-    """
-    folder = settings.data_dir / "access"
-    tokens = TokenStore(folder, settings.admin_token_file)
-    if settings.tokens_required and not tokens.any_valid:
-        raise ConfigError(
-            f"host = {settings.host!r}: the service asks for tokens there, and nobody has one",
-            tip="becalm token create NAME --role admin makes one; BECALM_REQUIRE_TOKENS=false lets everyone in",
-        )
-    return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"), SessionCookie(folder))
 
 
 def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:

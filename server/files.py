@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json, to_json
 
-from server.mission.problems import StoredUnreadable
+from server.errors import StoredUnreadable
 from server.texts import shortened
 from sim.errors import ConfigError
 from sim.files import replacing

@@ -6,10 +6,11 @@ from typing import Literal
 
 from pydantic import Field
 
-from server.mission.arming import Armed
-from server.mission.control import Control
-from server.mission.problems import Problem
+from sim.capture.events import Severity
 from sim.capture.snapshot import Published, Snapshot
+
+ArmedCommand = Literal["capture", "detumble", "cage", "direct_cage", "release", "reset", "configure"]
+"""What may be armed: it moves the robot, or takes it for another mission."""
 
 
 class PlantStatus(Published):
@@ -28,6 +29,32 @@ class RobotData(Published):
     silent_for: float | None = Field(description="Since its joints were last heard [s]; null before the first time")
     oldest: float | None = Field(description="Age of the stream that is needed and came longest ago [s]; null likewise")
     stream: str = Field(description="Which one that is")
+
+
+class Control(Published):
+    """Who may command the mission now."""
+
+    holder: str | None = Field(None, description="Name of the operator in control; null while nobody is")
+    since: str | None = Field(None, description="When they took it, ISO 8601 in UTC")
+    offered_to: str | None = Field(None, description="Name of who may take it over now; null without an offer")
+
+
+class Armed(Published):
+    """A command that its next request will carry out, as everyone sees it: without its token."""
+
+    command: ArmedCommand
+    by: str = Field(description="Who armed it, and alone may give it")
+    expires_in: float = Field(description="Until it is taken back [s]")
+
+
+class Problem(Published):
+    """Something that the operator must see, and what to do about it."""
+
+    severity: Severity
+    title: str
+    message: str
+    tip: str
+    since: float = Field(description="Mission time when it began [s]")
 
 
 class MissionSnapshot(Snapshot):

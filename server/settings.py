@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from server.edge.authority import host_name
+from server.edge.authority import LOOPBACK_NAMES, host_name
 from server.link.bounds import Bounds, ListedBounds, ListedFrame, WristFrame
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, read_config_file, revised
@@ -32,8 +32,6 @@ ROBOT_CONFIGURATION = "testbed"
 """What a mission with a robot opens with, unless told otherwise."""
 
 LogLevel = Literal["debug", "info", "warning", "error"]
-
-LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
 SCHEDULER_ADDRESS = r"^(tcp|tls|ws|wss)://[^\s/]+:\d+$"
 

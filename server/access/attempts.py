@@ -5,10 +5,11 @@ The same one again is no further try: a page whose token was revoked goes on ask
 
 from __future__ import annotations
 
-import ipaddress
 import time
 from collections import OrderedDict, deque
 from collections.abc import Callable
+
+from server.edge.authority import network_of
 
 ALLOWED = 10
 """Wrong tokens within the window that are answered as such."""
@@ -44,16 +45,3 @@ class Attempts:
             return WINDOW - (now - tried[0][0])
         tried.append((now, which))
         return None
-
-
-def network_of(address: str) -> str:
-    """Whose address that is: of IPv6 somebody has a whole network, and as many addresses as they like."""
-    try:
-        found = ipaddress.ip_address(address)
-    except ValueError:
-        return address
-    if isinstance(found, ipaddress.IPv4Address):
-        return address
-    if found.ipv4_mapped is not None:
-        return str(found.ipv4_mapped)
-    return str(ipaddress.IPv6Network((found.packed[:8] + bytes(8), 64)))

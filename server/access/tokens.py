@@ -21,8 +21,8 @@ from typing import Literal, NamedTuple
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 
 from server.access.roles import Role
+from server.errors import StoredUnreadable
 from server.files import read_document, replace_file
-from server.mission.problems import StoredUnreadable
 from sim.claim import Claim
 from sim.errors import ConfigError
 

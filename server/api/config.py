@@ -17,8 +17,8 @@ from server.api.parameter_titles import group_title, parameter_title
 from server.api.services import AskerDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes
+from server.errors import ConfigOutdated
 from server.mission.inbox import Request, Revision, arguments_of
-from server.mission.problems import ConfigOutdated
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
 

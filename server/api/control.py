@@ -10,8 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from server.api.mission import answered
 from server.api.services import AskerDep, Services, ServicesDep
 from server.edge.problem_json import responses
-from server.mission.control import Control, ControlCommand
+from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer, Request
+from server.published import Control
 from sim.errors import MissionRefused
 
 router = APIRouter(prefix="/mission/control", tags=["mission"])
@@ -52,7 +53,7 @@ def _operators(services: Services) -> tuple[str, ...]:
 @router.get("")
 async def control(services: ServicesDep) -> ControlStatus:
     """Who is in control; every snapshot tells that too."""
-    return ControlStatus(control=services.loop.control, operators=list(_operators(services)))
+    return ControlStatus(control=services.loop.desk.control, operators=list(_operators(services)))
 
 
 @router.post("", responses=responses(409, 422, 503, 504))

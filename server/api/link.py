@@ -39,7 +39,7 @@ async def tare(services: ServicesDep, asker: AskerDep) -> Tared:
         raise MissionRefused("there is no robot: the simulation's wrists need no taring")
     if latest is None:
         raise services.loop.not_ready()
-    services.loop.control.require(asker)
+    services.loop.desk.require(asker)
     snapshot = latest.snapshot
     if snapshot.phase in MOVING:
         raise MissionRefused(f"taring is refused in phase {snapshot.phase}", tip="hold the arms first")

@@ -13,13 +13,13 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from server.api.services import AskerDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
+from server.errors import LoopSilent
 from server.library.folder import LoggedEvent
-from server.mission.arming import ARMED_TIME, ArmedCommand
+from server.library.plotted import History
+from server.mission.arming import ARMED_TIME
 from server.mission.fork import Flight, Fork, forked
-from server.mission.history import History
 from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of
-from server.mission.problems import LoopSilent
-from server.published import MissionSnapshot
+from server.published import ArmedCommand, MissionSnapshot
 from server.versions import versions
 from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS, revised
 from sim.errors import MissionRefused, RunNotFound
@@ -148,7 +148,7 @@ async def history(
 async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) -> CommandAnswer:
     """Ask something of the mission; the answer says what the mission thread did."""
     if body.command == "fork":
-        services.loop.control.require(asker)  # before it is flown again; the mission thread decides and logs all others
+        services.loop.desk.require(asker)  # before it is flown again; the mission thread decides and logs all others
     ticks = body.ticks or 1
     # With a robot the mission thread refuses every fork: none is flown again before.
     wanted = body.tick if services.link is None else None

@@ -18,10 +18,10 @@ from server.api.runs import RunId
 from server.api.scene import SceneChange
 from server.api.services import ServicesDep
 from server.edge.problem_json import document_of
+from server.errors import ServiceBusy
 from server.library.replay_session import Opened, Screening
 from server.library.replay_sessions import Playbacks
 from server.mission.feed import snapshot_text
-from server.mission.problems import ServiceBusy
 from server.scene import CAMERAS
 from sim.errors import CaptureError
 

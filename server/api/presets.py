@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.api.services import AskerDep, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, ShortText
-from server.library.folder import wall_clock
+from server.instants import wall_clock
 from server.library.presets import NAME, Preset, UnreadablePreset
 from sim.config import MissionConfig
 from sim.errors import ConfigError

@@ -18,7 +18,7 @@ from server.edge.etags import IfNoneMatch, etag, known_or_new, tagged
 from server.edge.problem_json import responses
 from server.edge.streamed import Streamed
 from server.edge.values import Changes, Flag, Instant, Integer, ShortText
-from server.library.changes import ParameterChange, changes_of
+from server.library.changes import ParameterChange, changes_of, display_name
 from server.library.decimated import decimated
 from server.library.export import MEDIA_TYPES, LogFormat, Span, exported
 from server.library.folder import (
@@ -34,9 +34,8 @@ from server.library.folder import (
     Tag,
 )
 from server.library.index import RunIndex, RunQuery, SortKey
+from server.library.plotted import History
 from server.library.runs import RunStore, new_record
-from server.mission.history import History
-from server.mission.live_mission import display_name
 from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised

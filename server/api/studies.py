@@ -19,9 +19,9 @@ from server.edge.etags import IfNoneMatch, known_or_new, tagged
 from server.edge.problem_json import responses
 from server.edge.streamed import Streamed
 from server.edge.values import Changes, Flag, Integer, ShortText
+from server.errors import StudyNotFound
+from server.library.changes import display_name
 from server.library.runs import new_record
-from server.mission.live_mission import display_name
-from server.mission.problems import StudyNotFound
 from server.studies.store import StudyRecord, StudyStatus, StudyStore
 from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
 from sim.study.design import Study, altered, configured, study_of

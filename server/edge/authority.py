@@ -10,6 +10,8 @@ import idna
 
 DEFAULT_PORTS = {"http": 80, "https": 443}
 
+LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
+
 LONGEST_NAME = 253
 """Characters of a host name (RFC 1035)."""
 
@@ -77,6 +79,19 @@ def is_same(origin: Origin, host: Authority, scheme: str) -> bool:
     if origin.scheme not in DEFAULT_PORTS or (scheme in ("https", "wss") and origin.scheme != "https"):
         return False
     return origin.authority.host == host.host and origin.authority.port_of(origin.scheme) == host.port_of(origin.scheme)
+
+
+def network_of(address: str) -> str:
+    """Whose address that is: of IPv6 somebody has a whole network, and as many addresses as they like."""
+    try:
+        found = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(found, ipaddress.IPv4Address):
+        return address
+    if found.ipv4_mapped is not None:
+        return str(found.ipv4_mapped)
+    return str(ipaddress.IPv6Network((found.packed[:8] + bytes(8), 64)))
 
 
 def _name(text: str) -> str | None:

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Literal, cast
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from server.access.attempts import network_of
+from server.edge.authority import network_of
 
 MOST = 1000
 """Connections in all, if there are file descriptors for them."""

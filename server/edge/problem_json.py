@@ -19,7 +19,7 @@ from pydantic import BaseModel, Field, ValidationError
 from starlette.exceptions import HTTPException
 
 from server.edge.methods import allowed_methods
-from server.mission.problems import (
+from server.errors import (
     ConfigOutdated,
     ConfirmationNeeded,
     DataFolderLost,

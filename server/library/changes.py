@@ -9,8 +9,8 @@ from pydantic import Field
 
 from server.library.folder import RunRecord
 from sim.capture.snapshot import Published
-from sim.config import PARAMETERS, differences
-from sim.configurations import NAMED_CONFIGURATIONS
+from sim.config import PARAMETERS, MissionConfig, differences
+from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
 
 EDITED = " (edited)"
 """How the name of a configuration ends that was changed."""
@@ -46,6 +46,12 @@ def changed_words(changes: Mapping[str, tuple[Any, Any]]) -> str:
     words = [change_words(path, old, new) for path, (old, new) in changes.items()]
     left = len(words) - MOST_CHANGES_TOLD
     return "; ".join(words[:MOST_CHANGES_TOLD]) + (f"; and {left} more" if left > 0 else "")
+
+
+def display_name(configuration: str, config: MissionConfig) -> str:
+    """The configuration's name, and whether it has been edited."""
+    edited = differences(named_configuration(configuration), config)
+    return f"{configuration}{EDITED}" if edited else configuration
 
 
 def base_name(configuration: str) -> str:

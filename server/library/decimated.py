@@ -6,7 +6,7 @@ import numpy as np
 
 from server.library.export import WHOLE, Span
 from server.library.folder import RunReader, TickArray
-from server.mission.history import HISTORY_COLUMNS, History, Values, extremes, plotted_values, rows_of
+from server.library.plotted import HISTORY_COLUMNS, History, Values, extremes, plotted_values, rows_of
 
 
 def decimated(reader: RunReader, points: int, span: Span = WHOLE) -> History:

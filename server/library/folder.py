@@ -16,7 +16,6 @@ import os
 import stat
 import time
 from collections.abc import Iterator, Mapping
-from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, Literal, NamedTuple
@@ -25,12 +24,13 @@ import numpy as np
 from mcap.records import ChunkIndex, Schema
 from pydantic import AllowInfNan, Field, Strict, StringConstraints, field_validator
 
+from server.errors import StoredUnreadable
 from server.files import read_document, read_lines, replace_file
+from server.instants import instant, wall_clock
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.ticks import TICK_CHANNEL, TickLayout, layout_in
 from server.log.writer import LogWriter, nanoseconds
-from server.mission.problems import StoredUnreadable
 from server.texts import shortened
 from server.versions import versions
 from sim.capture.events import Event
@@ -111,24 +111,6 @@ class RunRecord(Published):
     def ended(self) -> bool:
         """Whether nothing more will be written."""
         return self.status not in ("queued", "running")
-
-
-def instant(text: str) -> datetime:
-    """A moment that ISO 8601 names with its time zone.
-
-    Raises:
-        ValueError: it names none.
-
-    """
-    moment = datetime.fromisoformat(text)
-    if moment.tzinfo is None:
-        raise ValueError(f"{text} has no time zone, such as +00:00")
-    return moment.astimezone(UTC)
-
-
-def wall_clock() -> str:
-    """Now, ISO 8601 in UTC, to the millisecond."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 class Note(Published):

@@ -21,10 +21,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from server.errors import StoredUnreadable
+from server.instants import instant
 from server.library.changes import changes_of
-from server.library.folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus, instant
+from server.library.folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus
 from server.library.runs import RUN_ID, RunStore
-from server.mission.problems import StoredUnreadable
 from server.texts import one_line
 from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound

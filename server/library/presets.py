@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from server.errors import PresetNotFound
 from server.files import finding, finite, read_document, replace_file
-from server.mission.problems import PresetNotFound
 from server.texts import shortened
 from sim.capture.snapshot import Published
 from sim.config import MissionConfig

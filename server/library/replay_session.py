@@ -16,12 +16,11 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
 
-from server.library.folder import wall_clock
+from server.errors import ServiceBusy
+from server.instants import wall_clock
 from server.library.runs import RunStore
-from server.mission.control import Control
-from server.mission.problems import ServiceBusy
 from server.process.aside import CONTEXT, END_TIME, begin_aside
-from server.published import MissionSnapshot, PlantStatus
+from server.published import Control, MissionSnapshot, PlantStatus
 from server.scene import CameraName, Scene
 from sim.capture.mission import Mission
 from sim.capture.playback import Playback

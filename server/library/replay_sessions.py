@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
+from server.errors import ServiceBusy
 from server.library.replay_session import Screening
-from server.mission.problems import ServiceBusy
 
 AT_ONCE = 8
 """Recorded runs that may be watched at a time."""

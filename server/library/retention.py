@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
-from server.library.folder import RunReader, instant
+from server.instants import instant
+from server.library.folder import RunReader
 from server.library.runs import RunStore
 from sim.errors import CaptureError
 

@@ -14,7 +14,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from server.errors import StoredUnreadable
 from server.files import remove_folder
+from server.instants import wall_clock
 from server.library.folder import (
     CANCEL_NAME,
     CLAIM_NAME,
@@ -28,13 +30,11 @@ from server.library.folder import (
     mend_log,
     read_record,
     read_remarks,
-    wall_clock,
     write_record,
     write_remarks,
 )
 from server.library.upgrade import upgraded
 from server.log.ticks import TICK_CHANNEL
-from server.mission.problems import StoredUnreadable
 from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound

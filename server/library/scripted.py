@@ -14,9 +14,10 @@ from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 
-from server.library.folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray, wall_clock
+from server.errors import ServiceBusy
+from server.instants import wall_clock
+from server.library.folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray
 from server.library.runs import RunStore
-from server.mission.problems import ServiceBusy
 from sim.capture.events import Event
 from sim.capture.run import run_capture
 from sim.control.phases import Command

@@ -7,12 +7,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.access.origin import SameOrigin
 from server.edge import problem_json
+from server.edge.authority import LOOPBACK_NAMES
 from server.edge.bodies import JsonBodies
 from server.edge.methods import HeadAsGet
 from server.edge.values import Integer, Number
 from server.link.faults import Faults
 from server.link.robot_emulator import RobotEmulator, RobotStatus
-from server.settings import LOOPBACK_NAMES
 
 
 class Hang(BaseModel):

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from mcap.records import Schema
 
+from server.errors import StoredUnreadable
 from server.log.stream import Bytes, Contents
-from server.mission.problems import StoredUnreadable
 from sim.capture.tick import COLUMNS, QUANTITIES, TICK, Column, column_values, columns_of
 from sim.schema_history import TICK_CHANGES, former_names
 

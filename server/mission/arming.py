@@ -9,29 +9,16 @@ from __future__ import annotations
 import hmac
 import json
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
-
-from pydantic import Field
+from typing import NamedTuple, get_args
 
 from server.mission.inbox import CommandName, Request
-from sim.capture.snapshot import Published
+from server.published import Armed, ArmedCommand
 from sim.errors import MissionRefused
 
 ARMED_TIME = 6.0
 """How long an armed command stays armed [s]."""
 
-ArmedCommand = Literal["capture", "detumble", "cage", "direct_cage", "release", "reset", "configure"]
-"""What may be armed: it moves the robot, or takes it for another mission."""
-
 TO_BE_ARMED: tuple[CommandName, ...] = get_args(ArmedCommand)
-
-
-class Armed(Published):
-    """A command that its next request will carry out, as everyone sees it: without its token."""
-
-    command: ArmedCommand
-    by: str = Field(description="Who armed it, and alone may give it")
-    expires_in: float = Field(description="Until it is taken back [s]")
 
 
 class Moment(NamedTuple):

@@ -7,23 +7,23 @@ that there is one order of commands and of changes of hands.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
-from pydantic import Field
-
-from sim.capture.snapshot import Published
+from server.published import Control
 from sim.errors import MissionRefused
 
 ControlCommand = Literal["take_control", "relieve", "hand_over", "release_control"]
 """The commands by which control changes hands; each decides itself who may give it."""
 
+CONTROL_COMMANDS: tuple[ControlCommand, ...] = get_args(ControlCommand)
 
-class Control(Published):
-    """Who may command the mission now."""
 
-    holder: str | None = Field(None, description="Name of the operator in control; null while nobody is")
-    since: str | None = Field(None, description="When they took it, ISO 8601 in UTC")
-    offered_to: str | None = Field(None, description="Name of who may take it over now; null without an offer")
+class ControlDesk:
+    """Holds who is in control. Changed by the mission thread only."""
+
+    def __init__(self) -> None:
+        self.control = Control()
+        """Replaced, never changed: for any thread to read."""
 
     def require(self, who: str) -> None:
         """Refuse what only the operator in control may do; free control is anyone's.
@@ -32,45 +32,57 @@ class Control(Published):
             MissionRefused: somebody else is in control.
 
         """
-        if self.holder not in (None, who):
+        holder, since = self.control.holder, self.control.since
+        if holder not in (None, who):
             raise MissionRefused(
-                f"{self.holder} is in control of the mission, since {self.since}",
-                tip=f"ask {self.holder} to hand over, or relieve {self.holder}; STOP is never refused",
+                f"{holder} is in control of the mission, since {since}",
+                tip=f"ask {holder} to hand over, or relieve {holder}; STOP is never refused",
             )
 
-    def changed(self, command: ControlCommand, who: str, to: str, now: str) -> tuple[Control, str]:
-        """Control after that command by `who`, and what happened in words; `to` is whom it is handed over to.
+    def change(self, command: ControlCommand, who: str, to: str, now: str) -> str:
+        """Change hands by that command of `who`; what happened in words.
+
+        Args:
+            command: what is asked.
+            who: asks.
+            to: whom control is handed over to, with `hand_over`.
+            now: wall clock, ISO 8601.
 
         Raises:
             MissionRefused: it is not theirs to take, to offer or to release.
 
         """
         if command == "take_control":
-            return self.taken(who, now), f"{who} is in control"
+            self.take(who, now)
+            return f"{who} is in control"
         if command == "relieve":
-            relieved = "" if self.holder in (None, who) else f", {self.holder} is relieved"
-            return self.relieved(who, now), f"{who} is in control{relieved}"
+            relieved = "" if self.control.holder in (None, who) else f", {self.control.holder} is relieved"
+            self.relieve(who, now)
+            return f"{who} is in control{relieved}"
         if command == "hand_over":
-            return self.offered(who, to), f"{who} hands control over to {to}, who has to take it"
-        return self.released(who), f"{who} has released control"
+            self.offer(who, to)
+            return f"{who} hands control over to {to}, who has to take it"
+        self.release(who)
+        return f"{who} has released control"
 
-    def taken(self, who: str, now: str) -> Control:
-        """After `who` has taken what is free, theirs already, or offered to them.
+    def take(self, who: str, now: str) -> None:
+        """Give `who` what is free, theirs already, or offered to them.
 
         Raises:
             MissionRefused: it is somebody else's.
 
         """
-        if self.offered_to != who:
+        if self.control.offered_to != who:
             self.require(who)
-        return self if self.holder == who else Control(holder=who, since=now)
+        self.relieve(who, now)
 
-    def relieved(self, who: str, now: str) -> Control:
-        """After `who` has taken it, whoever had it."""
-        return self if self.holder == who else Control(holder=who, since=now)
+    def relieve(self, who: str, now: str) -> None:
+        """Give `who` control, whoever has it."""
+        if self.control.holder != who:
+            self.control = Control(holder=who, since=now)
 
-    def offered(self, who: str, to: str) -> Control:
-        """After `who`, who stays in control until then, has offered it to somebody.
+    def offer(self, who: str, to: str) -> None:
+        """Offer what `who` has, and keeps until it is taken, to somebody.
 
         Raises:
             MissionRefused: it is not theirs to offer, or to themselves.
@@ -79,19 +91,19 @@ class Control(Published):
         self._require_held(who)
         if to == who:
             raise MissionRefused(f"to = {to!r}: {who} is in control already")
-        return self.model_copy(update={"offered_to": to})
+        self.control = self.control.model_copy(update={"offered_to": to})
 
-    def released(self, who: str) -> Control:
-        """After `who` has let it go.
+    def release(self, who: str) -> None:
+        """Let go what `who` has.
 
         Raises:
             MissionRefused: it is not theirs.
 
         """
         self._require_held(who)
-        return Control()
+        self.control = Control()
 
     def _require_held(self, who: str) -> None:
         self.require(who)
-        if self.holder is None:
+        if self.control.holder is None:
             raise MissionRefused("nobody is in control of the mission", tip="take control first")

@@ -9,9 +9,9 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass, field
 
+from server.errors import ServiceBusy
 from server.library.folder import LoggedEvent
 from server.mission.history import HistoryRing
-from server.mission.problems import ServiceBusy
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, flown_to
 from sim.errors import MissionRefused

@@ -12,8 +12,8 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
+from server.errors import ServiceBusy
 from server.mission.fork import Fork
-from server.mission.problems import ServiceBusy
 from sim.capture.snapshot import Published
 from sim.config import MissionConfig
 

@@ -9,8 +9,9 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from server.library.changes import EDITED, changed_words
-from server.library.folder import LoggedEvent, RunStatus, TickArray, wall_clock
+from server.instants import wall_clock
+from server.library.changes import changed_words, display_name
+from server.library.folder import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
 from server.link.closing import closing_refusal
 from server.link.zenoh_plant import ZenohPlant
@@ -23,7 +24,6 @@ from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
-from sim.configurations import named_configuration
 from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 
@@ -40,12 +40,6 @@ _BEFORE = "before the fork: "
 """Begins the message of what a fork has from its parent."""
 
 log = logging.getLogger(__name__)
-
-
-def display_name(configuration: str, config: MissionConfig) -> str:
-    """The configuration's name, and whether it has been edited."""
-    edited = differences(named_configuration(configuration), config)
-    return f"{configuration}{EDITED}" if edited else configuration
 
 
 def _before_the_fork(event: LoggedEvent) -> LoggedEvent:

@@ -11,26 +11,26 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from typing import ClassVar, Literal, NamedTuple, cast, get_args
+from typing import ClassVar, Literal, NamedTuple, cast
 
-from server.library.changes import changed_words
-from server.library.folder import wall_clock
+from server.errors import ConfigOutdated, ServiceBusy
+from server.instants import wall_clock
+from server.library.changes import changed_words, display_name
 from server.library.recorder import BACKLOG_LIMIT, Recorder
 from server.link.robot_link import RobotLink
 from server.link.status import robot_data
 from server.link.zenoh_plant import ZenohPlant
-from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedCommand, ArmedOrder, Moment
+from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, Moment
 from server.mission.causes import cause_of
-from server.mission.control import Control, ControlCommand
+from server.mission.control import CONTROL_COMMANDS, ControlCommand, ControlDesk
 from server.mission.feed import Feed
 from server.mission.fork import Flight, Fork
 from server.mission.inbox import Answer, CommandAnswer, Inbox, Request, Revision
-from server.mission.live_mission import RESTING_PHASES, LiveMission, display_name
+from server.mission.live_mission import RESTING_PHASES, LiveMission
 from server.mission.pace import FULL_SPEED, Pace
-from server.mission.problems import ConfigOutdated, Problem, ServiceBusy
 from server.process.disk import FAULT_TIP, DiskGuard
 from server.process.realtime import punctual
-from server.published import MissionSnapshot, PlantStatus
+from server.published import ArmedCommand, MissionSnapshot, PlantStatus, Problem
 from sim.capture.mission import prepare
 from sim.capture.snapshot import Readiness
 from sim.config import MissionConfig, differences
@@ -112,8 +112,7 @@ class MissionLoop:
         self._flown_at: float | None = None
         self._armed = ArmedOrder()
         self.failure: str | None = None
-        self.control = Control()
-        """Replaced by the mission thread only."""
+        self.desk = ControlDesk()
         self.view = ConfigView(configuration, display_name(configuration, config), config)
 
     def start(self) -> None:
@@ -380,7 +379,7 @@ class MissionLoop:
             flying = self._flying
             try:
                 self._require_simulation(request)
-                control = self._control_for(request)
+                self._require_control(request)
                 message = self._DO[request.command](self, request)
             except CaptureError as refusal:
                 flying.log_request(request, accepted=False, message=str(refusal))
@@ -391,7 +390,8 @@ class MissionLoop:
                 log.exception("%s could not be carried out", request.command)
                 answer.set_exception(error)
                 continue
-            self.control = control or self.control
+            if request.command not in CONTROL_COMMANDS:  # the first one who commands has control
+                self.desk.take(request.who, wall_clock())
             if request.command != "arm":
                 self._armed.disarm()  # what was armed before it was armed for how things stood then
             if flying is self._mission:  # else it was logged in the run that it ended
@@ -412,17 +412,15 @@ class MissionLoop:
         if self._link is not None and request.command in _SIMULATED:
             raise MissionRefused(_REAL_TIME.format(request.command), tip="hold or stop brings the robot to rest")
 
-    def _control_for(self, request: Request) -> Control | None:
-        """The control that a command takes if it is granted: the first one who commands has it.
+    def _require_control(self, request: Request) -> None:
+        """Refuse a command of somebody who is not in control; an offer is taken by saying so, not by a command.
 
         Raises:
             MissionRefused: somebody else is in control.
 
         """
-        if request.command in get_args(ControlCommand):
-            return None
-        self.control.require(request.who)  # an offer is taken by saying so, not by a command
-        return self.control.taken(request.who, wall_clock())
+        if request.command not in CONTROL_COMMANDS:
+            self.desk.require(request.who)
 
     @property
     def _moment(self) -> Moment:
@@ -453,8 +451,7 @@ class MissionLoop:
 
     def _change_control(self, request: Request) -> str:
         command = cast("ControlCommand", request.command)
-        self.control, message = self.control.changed(command, request.who, request.to, wall_clock())
-        return message
+        return self.desk.change(command, request.who, request.to, wall_clock())
 
     def _grant(self, request: Request) -> str:
         command = Command(request.command)
@@ -542,7 +539,7 @@ class MissionLoop:
         "fork": _fork,
         "configure": _configure,
         "arm": _arm,
-        **dict.fromkeys(get_args(ControlCommand), _change_control),
+        **dict.fromkeys(CONTROL_COMMANDS, _change_control),
     }
 
     def _fly(self, ticks: int, now: float) -> None:
@@ -594,7 +591,7 @@ class MissionLoop:
             configuration=flying.name,
             plant=self._plant_status(now),
             commands={**flying.refusals(), **self._clock_refusals()},
-            control=self.control,
+            control=self.desk.control,
             arming_needed=() if self._link is None else TO_BE_ARMED,
             armed=self._armed.shown(now),
             problems=flying.problems.shown(),

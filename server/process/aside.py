@@ -25,7 +25,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any, ParamSpec, TypeVar
 
-from server.mission.problems import ServiceBusy
+from server.errors import ServiceBusy
 from sim.errors import CaptureError
 from sim.study.executors import begin_worker
 

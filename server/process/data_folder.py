@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from server.errors import DataFolderInUse, StoredUnreadable
 from server.files import read_document, replace_file
-from server.library.folder import wall_clock
-from server.mission.problems import DataFolderInUse, StoredUnreadable
+from server.instants import wall_clock
 from sim.capture.snapshot import Published
 from sim.claim import Claim, is_claimed
 

@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from server.mission.problems import DataFolderLost, DiskFull
+from server.errors import DataFolderLost, DiskFull
 
 PERIOD = 1.0
 """Wall time between two looks [s]; a live mission writes half a megabyte a second."""

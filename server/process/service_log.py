@@ -10,9 +10,8 @@ import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from queue import Queue
-from typing import Any, NamedTuple, TextIO
+from typing import Any, Literal, NamedTuple, TextIO
 
-from server.settings import Settings
 from server.texts import one_line, shortened
 
 OUR_LOGGERS = ("becalm", "server", "sim")
@@ -40,11 +39,22 @@ class Moment(NamedTuple):
 class ServiceLog:
     """Lines are formatted where they come about and written by a thread of their own: nobody waits for a terminal."""
 
-    def __init__(self, settings: Settings, moment: Callable[[], Moment], stream: TextIO | None = None) -> None:
-        formatter = JsonLine() if settings.log_format == "json" else TextLine(TEXT)
+    def __init__(
+        self, level: str, layout: Literal["text", "json"], moment: Callable[[], Moment], stream: TextIO | None = None
+    ) -> None:
+        """A log that takes nothing yet.
+
+        Args:
+            level: least level of Becalm's own lines that is written, such as "info".
+            layout: of a line.
+            moment: tells where the mission is.
+            stream: what is written to; standard error if none.
+
+        """
+        formatter = JsonLine() if layout == "json" else TextLine(TEXT)
         self._handler = _Queued(Queue(WAITING_LINES), moment, formatter)
         self._writer = logging.handlers.QueueListener(self._handler.queue, logging.StreamHandler(stream or sys.stderr))
-        self._level = logging.getLevelNamesMapping()[settings.log_level.upper()]
+        self._level = logging.getLevelNamesMapping()[level.upper()]
 
     def start(self) -> None:
         """Take every line of this process from now on."""

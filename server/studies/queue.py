@@ -16,8 +16,8 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from server.library.folder import wall_clock
-from server.mission.problems import ConfirmationNeeded, ServiceBusy, StoredUnreadable, StudyRefused
+from server.errors import ConfirmationNeeded, ServiceBusy, StoredUnreadable, StudyRefused
+from server.instants import wall_clock
 from server.studies.estimates import StudyEstimates
 from server.studies.store import StudyRecord, StudyStatus, StudyStore
 from sim.errors import CaptureError

@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 from pydantic import Field, JsonValue, field_validator
 
+from server.errors import StoredUnreadable, StudyNotFound
 from server.files import read_document, remove_folder, replace_file
-from server.library.folder import instant, wall_clock
+from server.instants import instant, wall_clock
 from server.library.runs import new_run_id
-from server.mission.problems import StoredUnreadable, StudyNotFound
 from server.texts import shortened
 from server.versions import versions
 from sim.capture.snapshot import Published

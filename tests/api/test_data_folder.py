@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from becalm import cli
 from becalm.cli import main
-from server.mission.problems import DataFolderInUse
+from server.errors import DataFolderInUse
 from server.process.data_folder import owned
 
 OWN = (

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from server import files
+from server.errors import StoredUnreadable
 from server.library.folder import Note, Remarks
 from server.library.index import RunIndex, RunQuery
 from server.library.retention import remove_expired
 from server.library.runs import RunStore, new_record
-from server.mission.problems import StoredUnreadable
 from server.studies.store import StudyStore
 from sim.config import MissionConfig
 from sim.errors import RunNotFound

@@ -16,6 +16,7 @@ from server.access.attempts import Attempts
 from server.access.headers import content_policy, inline_scripts
 from server.access.roles import WEBSOCKET, Role, needed_role
 from server.access.tokens import Holder, TokenStore
+from server.edge.authority import network_of
 from sim.errors import ConfigError
 
 
@@ -197,7 +198,7 @@ class TestAttempts:
             assert counted.failed(f"fd00:0:0:1::{each:x}", f"guess-{each}") is None
         assert counted.failed("fd00:0:0:1:ffff::1", "another")
         assert counted.failed("fd00:0:0:2::1", "another") is None
-        assert attempts.network_of("::ffff:10.0.0.1") == attempts.network_of("10.0.0.1")
+        assert network_of("::ffff:10.0.0.1") == network_of("10.0.0.1")
 
     def test_memory_is_bounded(self):
         counted = Attempts()

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from server.mission.problems import ServiceBusy
+from server.errors import ServiceBusy
 from server.process import aside
 from server.process.aside import Aside, PiecesLost
 from sim.errors import RunNotFound

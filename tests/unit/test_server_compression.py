@@ -9,7 +9,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.responses import Response, StreamingResponse
 
-from server.app import compress
+from server.edge.compression import compress
 from server.edge.methods import HeadAsGet
 from server.pages.console import serve_console
 

@@ -4,49 +4,71 @@ from __future__ import annotations
 
 import pytest
 
-from server.mission.control import Control
+from server.mission.control import ControlDesk
+from server.published import Control
 from sim.errors import MissionRefused
 
 NOW = "2026-11-25T12:00:00.000+00:00"
 LATER = "2026-11-25T13:00:00.000+00:00"
-FREE = Control()
-by_ana = FREE.taken("ana", NOW)
+BY_ANA = Control(holder="ana", since=NOW)
+BY_BEN = Control(holder="ben", since=LATER)
 
 
-def test_free_control_is_anyones_and_taken_once():
-    FREE.require("ana")
-    assert by_ana == Control(holder="ana", since=NOW)
-    assert by_ana.taken("ana", LATER) == by_ana
+@pytest.fixture
+def free() -> ControlDesk:
+    """Nobody is in control."""
+    return ControlDesk()
 
 
-def test_what_somebody_has_is_not_taken_but_by_relieving_them():
+@pytest.fixture
+def anas() -> ControlDesk:
+    """Ana is in control."""
+    desk = ControlDesk()
+    desk.take("ana", NOW)
+    return desk
+
+
+def test_free_control_is_anyones_and_taken_once(free):
+    free.require("ana")
+    free.take("ana", NOW)
+    assert free.control == BY_ANA
+    free.take("ana", LATER)
+    assert free.control == BY_ANA
+
+
+def test_what_somebody_has_is_not_taken_but_by_relieving_them(anas):
     for refused in (
-        by_ana.require,
-        by_ana.released,
-        lambda who: by_ana.taken(who, LATER),
-        lambda who: by_ana.offered(who, "cy"),
+        anas.require,
+        anas.release,
+        lambda who: anas.take(who, LATER),
+        lambda who: anas.offer(who, "cy"),
     ):
         with pytest.raises(MissionRefused, match="ana is in control of the mission, since 2026-11-25T12:00"):
             refused("ben")
-    assert by_ana.relieved("ben", LATER) == Control(holder="ben", since=LATER)
+    assert anas.control == BY_ANA
+    assert anas.change("relieve", "ben", "", LATER) == "ben is in control, ana is relieved"
+    assert anas.control == BY_BEN
 
 
-def test_an_offer_is_the_holders_until_the_other_one_takes_it():
-    offered = by_ana.offered("ana", "ben")
-    offered.require("ana")
+def test_an_offer_is_the_holders_until_the_other_one_takes_it(anas):
+    anas.offer("ana", "ben")
+    anas.require("ana")
     with pytest.raises(MissionRefused):
-        offered.require("ben")
+        anas.require("ben")
     with pytest.raises(MissionRefused):
-        offered.taken("cy", LATER)
-    assert offered.taken("ben", LATER) == Control(holder="ben", since=LATER)
-    assert offered.taken("ana", LATER).offered_to == "ben"
+        anas.take("cy", LATER)
+    anas.take("ana", LATER)
+    assert anas.control.offered_to == "ben"
+    anas.take("ben", LATER)
+    assert anas.control == BY_BEN
 
 
-def test_nobody_offers_to_themselves_or_what_they_do_not_have():
+def test_nobody_offers_to_themselves_or_what_they_do_not_have(free, anas):
     with pytest.raises(MissionRefused, match="ana is in control already"):
-        by_ana.offered("ana", "ana")
+        anas.offer("ana", "ana")
     with pytest.raises(MissionRefused, match="nobody is in control"):
-        FREE.offered("ana", "ben")
+        free.offer("ana", "ben")
     with pytest.raises(MissionRefused, match="nobody is in control"):
-        FREE.released("ana")
-    assert by_ana.released("ana") == FREE
+        free.release("ana")
+    anas.release("ana")
+    assert anas.control == Control()

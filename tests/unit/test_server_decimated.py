@@ -7,8 +7,8 @@ import pytest
 
 from server.library.decimated import decimated
 from server.library.export import Span, exported
+from server.library.plotted import PLOTTED
 from server.library.runs import RunStore, new_record
-from server.mission.history import PLOTTED
 from sim.capture.tick import TICK
 from sim.configurations import named_configuration
 

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from server.mission.problems import DataFolderLost, DiskFull
+from server.errors import DataFolderLost, DiskFull
 from server.process.disk import DiskGuard
 
 

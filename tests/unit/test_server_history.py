@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from server.mission.history import CAPACITY, FIRST_STRIDE, PLOTTED, HistoryRing
+from server.library.plotted import PLOTTED
+from server.mission.history import CAPACITY, FIRST_STRIDE, HistoryRing
 from sim.capture.tick import TICK
 
 NAMES = [column.name for column in PLOTTED]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from server.errors import ServiceBusy
 from server.mission.inbox import CAPACITY, Inbox, Request
-from server.mission.problems import ServiceBusy
 from sim.errors import MissionRefused
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mcap.records import Channel, Schema
 
+from server.errors import StoredUnreadable
 from server.log.stream import Contents
 from server.log.ticks import (
     CDR_TICK,
@@ -18,7 +19,6 @@ from server.log.ticks import (
     tick_payloads,
     tick_schema,
 )
-from server.mission.problems import StoredUnreadable
 from sim.capture.tick import COLUMNS, TICK, column_values
 
 OTHER = [

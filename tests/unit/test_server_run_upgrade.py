@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
+from server.errors import StoredUnreadable
 from server.library.folder import LOG_NAME
 from server.library.index import RunIndex, RunQuery
 from server.library.runs import RunStore
-from server.mission.problems import StoredUnreadable
 from sim.capture.tick import TICK
 from sim.claim import Claim
 from sim.configurations import named_configuration

@@ -9,16 +9,15 @@ import logging
 import pytest
 
 from server.process.service_log import Moment, ServiceLog
-from server.settings import Settings
 
 
 @pytest.fixture
 def written():
     """Runs something with a log of these settings; what it wrote."""
 
-    def write(act, **settings) -> str:
+    def write(act, log_level="warning", log_format="text") -> str:
         stream = io.StringIO()
-        lines = ServiceLog(Settings(**settings), lambda: Moment("run-1", 7), stream)
+        lines = ServiceLog(log_level, log_format, lambda: Moment("run-1", 7), stream)
         lines.start()
         try:
             act()

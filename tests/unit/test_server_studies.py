@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.mission.problems import StudyNotFound
+from server.errors import StudyNotFound
 from server.studies.store import RECORD_NAME, StudyStore
 from sim.study.design import study_of
 from sim.study.run import failed_row

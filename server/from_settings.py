@@ -1,17 +1,27 @@
-"""The link that a service's settings ask for."""
+"""What a service's settings ask for, made: its link, its workers, and whom it lets in."""
 
 from __future__ import annotations
 
 from pydantic import ValidationError
 
+from server.access.attempts import Attempts
+from server.access.audit import AuditLog
+from server.access.cookie import SessionCookie
+from server.access.guard import Access
+from server.access.tokens import TokenStore
 from server.link.robot_link import LinkSettings, RobotLink
 from server.link.zenoh_plant import require_link_period
 from server.settings import Settings
+from server.studies.cluster import cluster_workers
 from sim.config import MissionConfig
 from sim.errors import ConfigError
+from sim.study.executors import Workers, local_workers
+
+STUDY_NICENESS = 10
+"""Of the processes that fly studies on this machine: the live mission's clock comes first."""
 
 
-def link_of(settings: Settings, config: MissionConfig) -> RobotLink | None:
+def link_from_settings(settings: Settings, config: MissionConfig) -> RobotLink | None:
     """The console's end of the link, not yet open; None where the simulation is flown.
 
     Raises:
@@ -57,3 +67,32 @@ def _link_settings(settings: Settings) -> LinkSettings:
         each = error.errors(include_url=False)[0]
         field = str(each["loc"][-1] if isinstance(each["loc"][-1], str) else each["loc"][-2]) if each["loc"] else "link"
         raise ConfigError(f"{field} = {each['input']!r}: {each['msg']}", tip="docs/link.md shows endpoints") from None
+
+
+def workers_from_settings(settings: Settings) -> Workers:
+    """What flies studies now.
+
+    Raises:
+        WorkersUnavailable: the cluster cannot.
+
+    """
+    if settings.scheduler is not None:
+        return cluster_workers(settings.scheduler)
+    return local_workers(settings.study_workers, STUDY_NICENESS)
+
+
+def access_from_settings(settings: Settings) -> Access:
+    """Whom the service lets in.
+
+    Raises:
+        ConfigError: tokens are needed, and there is none.
+
+    """
+    folder = settings.data_dir / "access"
+    tokens = TokenStore(folder, settings.admin_token_file)
+    if settings.tokens_required and not tokens.any_valid:
+        raise ConfigError(
+            f"host = {settings.host!r}: the service asks for tokens there, and nobody has one",
+            tip="becalm token create NAME --role admin makes one; BECALM_REQUIRE_TOKENS=false lets everyone in",
+        )
+    return Access(tokens, settings.tokens_required, Attempts(), AuditLog(folder / "audit.log"), SessionCookie(folder))
