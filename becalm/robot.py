@@ -22,7 +22,7 @@ from server.link.faults import Faults
 from server.link.imperfections import Imperfections
 from server.link.robot_emulator import RobotEmulator, RobotSettings
 from server.link.robot_rest import create_robot_app
-from server.process.realtime import schedule_realtime, switch_promptly
+from server.process.realtime import schedule_realtime, shorten_switch_interval
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
 
@@ -95,7 +95,7 @@ def run_robot(
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(message)s")
     logging.getLogger("httpx").setLevel(logging.WARNING)
-    switch_promptly()
+    shorten_switch_interval()
     if realtime:
         schedule_realtime()
     prepare()

@@ -56,7 +56,7 @@ from server.pages import scene_proxy
 from server.pages.console import serve_console
 from server.process.aside import Aside
 from server.process.disk import GIGABYTE, DiskGuard
-from server.process.realtime import switch_promptly
+from server.process.realtime import shorten_switch_interval
 from server.scene import Scene
 from server.settings import Settings
 from server.studies.queue import StudyQueue
@@ -151,7 +151,7 @@ def create_app(settings: Settings) -> FastAPI:
 def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        switch_promptly()
+        shorten_switch_interval()
         current_default_thread_limiter().total_tokens = THREADS
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())

@@ -17,7 +17,7 @@ from server.errors import LoopSilent
 from server.library.folder import LoggedEvent
 from server.library.plotted import History
 from server.mission.arming import ARMED_TIME
-from server.mission.fork import Flight, Fork, forked
+from server.mission.fork import Fork, ForkParent, forked
 from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of
 from server.published import ArmedCommand, MissionSnapshot
 from server.versions import versions
@@ -215,7 +215,7 @@ def _events_before(services: Services, run_id: str, tick: int) -> tuple[LoggedEv
         return ()
 
 
-def _kept_flight(services: Services, run_id: str) -> Flight:
+def _kept_flight(services: Services, run_id: str) -> ForkParent:
     reader = services.store.read(run_id)
     if reader.record.versions != versions():
         what = f"run {run_id} was flown by {reader.record.versions}, this is {versions()}"
@@ -223,7 +223,7 @@ def _kept_flight(services: Services, run_id: str) -> Flight:
     name = reader.record.configuration.removesuffix(" (edited)")
     known = name if name in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
     last = reader.last_tick()
-    return Flight(run_id, known, reader.history(), 0 if last is None else int(last["tick"][0]) + 1)
+    return ForkParent(run_id, known, reader.history(), 0 if last is None else int(last["tick"][0]) + 1)
 
 
 async def answered(services: Services, request: Request, patience: float = ANSWER_TIME) -> CommandAnswer:

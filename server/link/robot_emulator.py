@@ -25,7 +25,7 @@ from server.link.faults import Faults, Outbox, Sensor
 from server.link.gate import Gate, Limits, Verdict
 from server.link.imperfections import Imperfections, Sensors
 from server.link.session import LinkSession, Transport
-from server.process.realtime import punctual
+from server.process.realtime import realtime_priority
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised
@@ -103,7 +103,7 @@ class RobotEmulator:
         self.left_open = False
         """Whether the link did not close when the robot last ended."""
 
-    @punctual()
+    @realtime_priority()
     def run(self) -> None:
         """Be the robot, in this thread, until `shutdown`.
 

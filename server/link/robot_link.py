@@ -26,7 +26,7 @@ from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
 from server.link.reports import whole
 from server.link.session import LinkSession, Transport
 from server.link.wire import Call, JointCommand, JointSample, Report
-from server.process.realtime import punctual
+from server.process.realtime import realtime_priority
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -118,7 +118,7 @@ class RobotLink:
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
 
-    @punctual()
+    @realtime_priority()
     def start(self) -> None:
         """Open the link.
 

@@ -25,7 +25,7 @@ _flying_again = threading.Lock()
 
 
 @dataclass(frozen=True)
-class Flight:
+class ForkParent:
     """What is known of a flight that a fork may come from."""
 
     run_id: str
@@ -40,7 +40,7 @@ class Flight:
 class Fork:
     """A mission that stands at a tick of the parent's past."""
 
-    parent: Flight
+    parent: ForkParent
     tick: int
     """The first tick that is the fork's own."""
     history: FlightHistory
@@ -52,7 +52,7 @@ class Fork:
     """What the parent's log tells of them, but for what they follow from, which is in the history."""
 
 
-def forked(parent: Flight, tick: int) -> Fork:
+def forked(parent: ForkParent, tick: int) -> Fork:
     """Fly a flight again up to that tick, from tick 0.
 
     Raises:

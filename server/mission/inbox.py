@@ -92,6 +92,14 @@ class CommandAnswer(Published):
 Answer = Future[CommandAnswer]
 
 
+class Granted(NamedTuple):
+    """A request that the mission thread answers after the next tick, and with what."""
+
+    request: Request
+    answer: Answer
+    message: str
+
+
 class Inbox:
     """Bounded. STOP is not queued: it is looked at first in every turn."""
 

@@ -1,8 +1,8 @@
 """How soon a thread runs that is due: within its process, and before other processes.
 
 Real-time scheduling, where a user may have it, has two levels. All threads of a process are before other processes:
-those that need no punctuality hold locks, the interpreter's above all, that the punctual ones wait for. The punctual
-ones are before the rest, whose work may take longer than a control period.
+those without deadlines hold locks, the interpreter's above all, that those with deadlines wait for. Threads with
+deadlines are before the rest, whose work may take longer than a control period.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 from sim.errors import ConfigError
 
-PROCESS, PUNCTUAL = 1, 2
+PROCESS_PRIORITY, THREAD_PRIORITY = 1, 2
 """Priorities, the lowest there are: after what the system itself does in real time."""
 SWITCH_INTERVAL = 5e-4
 """Longest time that another thread keeps Python from one that is due [s]; Python's own default is 5 ms."""
@@ -31,25 +31,25 @@ def schedule_realtime() -> None:
     if sys.platform != "linux":
         raise ConfigError(f"realtime = true: there is no real-time scheduling on {sys.platform}", tip="leave it")
     try:
-        _schedule(PUNCTUAL)  # it may have one and not the other
-        _schedule(PROCESS)
+        _schedule(THREAD_PRIORITY)  # it may have one and not the other
+        _schedule(PROCESS_PRIORITY)
     except PermissionError:
         raise ConfigError("realtime = true: this user may not have real-time scheduling", tip=_TIP) from None
 
 
-def switch_promptly() -> None:
+def shorten_switch_interval() -> None:
     """Let threads of this process have Python soon after they ask for it."""
     sys.setswitchinterval(SWITCH_INTERVAL)
 
 
 @contextmanager
-def punctual() -> Iterator[None]:
+def realtime_priority() -> Iterator[None]:
     """In a real-time process, run this thread and those that it begins meanwhile before the others."""
     if sys.platform != "linux" or os.sched_getscheduler(0) != os.SCHED_RR:
         yield
         return
     before = os.sched_getparam(0).sched_priority
-    _schedule(PUNCTUAL)
+    _schedule(THREAD_PRIORITY)
     try:
         yield
     finally:

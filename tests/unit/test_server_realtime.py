@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from server.process.realtime import PROCESS, PUNCTUAL, punctual, schedule_realtime
+from server.process.realtime import PROCESS_PRIORITY, THREAD_PRIORITY, realtime_priority, schedule_realtime
 from sim.errors import ConfigError
 from sim.study import executors
 
@@ -19,18 +19,18 @@ def test_the_punctual_are_before_the_rest_of_the_process(monkeypatch):
     asked = []
     monkeypatch.setattr(os, "sched_setscheduler", lambda _, policy, given: asked.append((policy, given.sched_priority)))
     schedule_realtime()
-    assert asked[-1] == (os.SCHED_RR, PROCESS)
+    assert asked[-1] == (os.SCHED_RR, PROCESS_PRIORITY)
     monkeypatch.setattr(os, "sched_getscheduler", lambda _: os.SCHED_RR)
-    monkeypatch.setattr(os, "sched_getparam", lambda _: os.sched_param(PROCESS))
-    with punctual():
-        assert asked[-1] == (os.SCHED_RR, PUNCTUAL)
-    assert asked[-1] == (os.SCHED_RR, PROCESS)
+    monkeypatch.setattr(os, "sched_getparam", lambda _: os.sched_param(PROCESS_PRIORITY))
+    with realtime_priority():
+        assert asked[-1] == (os.SCHED_RR, THREAD_PRIORITY)
+    assert asked[-1] == (os.SCHED_RR, PROCESS_PRIORITY)
 
 
 @linux
 def test_without_real_time_nobody_is_before_others(monkeypatch):
     monkeypatch.setattr(os, "sched_setscheduler", lambda *_: pytest.fail("nothing is to be asked for"))
-    with punctual():
+    with realtime_priority():
         pass
 
 
