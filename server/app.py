@@ -89,40 +89,11 @@ def create_app(settings: Settings) -> FastAPI:
     """The service with these settings.
 
     Raises:
-        ConfigError: the configuration that it should open with cannot be, or nobody could sign in.
+        ConfigError: the configuration that it should open with is invalid, or nobody could sign in.
 
     """
-    initial = settings.initial_config()
-    feed = Feed()
-    store = RunStore(settings.data_dir / "runs")
-    recorder = Recorder(store)
-    studies = StudyStore(settings.data_dir / "studies")
-    disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
-    robot = link_from_settings(settings, initial)
-    loop = MissionLoop(settings.configuration, initial, feed, recorder, disk, robot)
-    study_queue = StudyQueue(studies, partial(workers_from_settings, settings))
-    access = access_from_settings(settings)
-    live_scene, playbacks = Scene(initial), Playbacks()
-    services = Services(
-        settings,
-        access,
-        feed,
-        loop,
-        robot,
-        recorder,
-        disk,
-        store,
-        RunIndex(store),
-        ScriptedRuns(store),
-        PresetStore(settings.data_dir),
-        studies,
-        study_queue,
-        Aside(),
-        live_scene,
-        playbacks,
-    )
-    projector = Projector(live_scene, feed, loop)
-
+    services = _compose(settings)
+    projector = Projector(services.scene, services.feed, services.loop)
     app = Service(
         title="Becalm",
         version=becalm_version(),
@@ -133,8 +104,50 @@ def create_app(settings: Settings) -> FastAPI:
         generate_unique_id_function=_operation_id,
     )
     app.state.services = services
-    app.state.playbacks = playbacks
+    app.state.playbacks = services.playbacks
     problem_json.install(app)
+    _add_middleware(app, services)
+    _route(app)
+    return app
+
+
+def _compose(settings: Settings) -> Services:
+    """One of each, of which none has started.
+
+    Raises:
+        ConfigError: the configuration that the service should open with is invalid, or nobody could sign in.
+
+    """
+    initial = settings.initial_config()
+    feed = Feed()
+    store = RunStore(settings.data_dir / "runs")
+    recorder = Recorder(store)
+    studies = StudyStore(settings.data_dir / "studies")
+    disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
+    link = link_from_settings(settings, initial)
+    return Services(
+        settings=settings,
+        access=access_from_settings(settings),
+        feed=feed,
+        loop=MissionLoop(settings.configuration, initial, feed, recorder, disk, link),
+        link=link,
+        recorder=recorder,
+        disk=disk,
+        store=store,
+        index=RunIndex(store),
+        scripted=ScriptedRuns(store),
+        presets=PresetStore(settings.data_dir),
+        studies=studies,
+        study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
+        aside=Aside(),
+        scene=Scene(initial),
+        playbacks=Playbacks(),
+    )
+
+
+def _add_middleware(app: FastAPI, services: Services) -> None:
+    """The layers of a request, the innermost first."""
+    settings, access = services.settings, services.access
     compress(app)
     app.add_middleware(HeadAsGet)
     app.add_middleware(JsonBodies)
@@ -144,8 +157,6 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(ForwardedPrefix)
     app.add_middleware(ProxyHeadersMiddleware, trusted_hosts=list(settings.trusted_proxies))
     app.add_middleware(Turns)
-    _route(app)
-    return app
 
 
 def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
