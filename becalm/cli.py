@@ -147,16 +147,16 @@ class _Commands(click.Group):
         try:
             return super().invoke(ctx)
         except ConfigError as error:
-            raise click.UsageError(_told(error)) from None
+            raise click.UsageError(_formatted(error)) from None
         except CaptureError as error:
-            raise click.ClickException(_told(error)) from None
+            raise click.ClickException(_formatted(error)) from None
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # the reader of our output has gone; click ends quietly
             raise click.ClickException(_told_of_a_file(error)) from None
 
 
-def _told(error: CaptureError) -> str:
+def _formatted(error: CaptureError) -> str:
     return f"{error}\nTip: {error.tip}" if error.tip else str(error)
 
 

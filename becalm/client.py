@@ -52,7 +52,7 @@ LOOK_PERIOD = 0.2
 """Between two looks whether a run or study has ended [s]."""
 
 
-class _Place:
+class _ServiceAddress:
     """Where the service is, and by which token it is asked."""
 
     def __init__(self, address: str | None, token: str | None) -> None:
@@ -109,7 +109,7 @@ def _acknowledgement(snapshot: MissionSnapshot) -> str:
     return json.dumps({"type": "ack", "tick": snapshot.tick})
 
 
-def _failure(place: _Place, error: Exception) -> CaptureError:
+def _failure(place: _ServiceAddress, error: Exception) -> CaptureError:
     """Why there is no telemetry."""
     if isinstance(error, ImportError | InvalidProxy):
         return ProxyUnusable(error)
@@ -181,7 +181,7 @@ class Client:
             token: an access token; by default $BECALM_TOKEN, or none.
 
         """
-        self._place = _Place(address, token)
+        self._place = _ServiceAddress(address, token)
         # A client with a transport of its own asks no proxy, but keeps the environment's certificates.
         transport = httpx.HTTPTransport() if self._place.is_here else None
         with _usable_proxy():
@@ -322,7 +322,7 @@ class AsyncClient:
 
     def __init__(self, address: str | None = None, token: str | None = None) -> None:
         """Connect to nothing yet; see `Client`."""
-        self._place = _Place(address, token)
+        self._place = _ServiceAddress(address, token)
         transport = httpx.AsyncHTTPTransport() if self._place.is_here else None
         with _usable_proxy():
             self._http = httpx.AsyncClient(

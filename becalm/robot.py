@@ -159,7 +159,7 @@ def _apply(emulator: RobotEmulator, fault: TimedFault) -> None:
     elif fault.name == "restart":
         emulator.restart(read_number(fault.value))
     else:
-        emulator.suffer(_revised(emulator.faults, fault))
+        emulator.inject_faults(_revised(emulator.faults, fault))
 
 
 def _revised(faults: Faults, fault: TimedFault) -> Faults:

@@ -45,7 +45,7 @@ from server.from_settings import access_from_settings, link_from_settings, worke
 from server.library.index import RunIndex
 from server.library.presets import PresetStore
 from server.library.recorder import Recorder
-from server.library.replay_sessions import Playbacks
+from server.library.replay_sessions import ReplaySessions
 from server.library.retention import Expired, keep_removing
 from server.library.runs import RunStore
 from server.library.scripted import ScriptedRuns
@@ -104,7 +104,7 @@ def create_app(settings: Settings) -> FastAPI:
         generate_unique_id_function=_operation_id,
     )
     app.state.services = services
-    app.state.playbacks = services.playbacks
+    app.state.replay_sessions = services.replay_sessions
     problem_json.install(app)
     _add_middleware(app, services)
     _route(app)
@@ -141,7 +141,7 @@ def _compose(settings: Settings) -> Services:
         study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
         aside=Aside(),
         scene=Scene(initial),
-        playbacks=Playbacks(),
+        replay_sessions=ReplaySessions(),
     )
 
 
@@ -213,7 +213,7 @@ async def _warm_up(services: Services) -> None:
 async def _end(services: Services, projector: Projector) -> None:
     """End everything at once: each within its own patience, and all within the longest of them."""
     ends: tuple[Callable[[], None], ...] = (
-        services.playbacks.shutdown,
+        services.replay_sessions.shutdown,
         services.aside.shutdown,
         projector.shutdown,
         partial(_end_mission, services),

@@ -47,7 +47,7 @@ _LOOK: Any = {
 }
 
 
-class Mark(NamedTuple):
+class OutcomeMark(NamedTuple):
     """How an outcome class is shown: a colour, and a sign for who does not see the colour."""
 
     colour: str
@@ -57,12 +57,12 @@ class Mark(NamedTuple):
 
 
 MARKS = {
-    OutcomeClass.CAGED_FORCE_REDUCED: Mark("#009E73", "R", "caged, force reduced"),
-    OutcomeClass.CAGED_FORCE_NOT_REDUCED: Mark("#56B4E9", "N", "caged, force not reduced"),
-    OutcomeClass.CAGED_UNPLANNED_CONTACT: Mark("#F0E442", "U", "caged, unplanned contact"),
-    OutcomeClass.EJECTION: Mark("#CC79A7", "E", "ejection", "////"),
-    OutcomeClass.BASE_COLLISION: Mark("#D55E00", "B", "base collision", "////"),
-    OutcomeClass.UNRESOLVED: Mark("#B8BDC6", "?", "unresolved", "...."),
+    OutcomeClass.CAGED_FORCE_REDUCED: OutcomeMark("#009E73", "R", "caged, force reduced"),
+    OutcomeClass.CAGED_FORCE_NOT_REDUCED: OutcomeMark("#56B4E9", "N", "caged, force not reduced"),
+    OutcomeClass.CAGED_UNPLANNED_CONTACT: OutcomeMark("#F0E442", "U", "caged, unplanned contact"),
+    OutcomeClass.EJECTION: OutcomeMark("#CC79A7", "E", "ejection", "////"),
+    OutcomeClass.BASE_COLLISION: OutcomeMark("#D55E00", "B", "base collision", "////"),
+    OutcomeClass.UNRESOLVED: OutcomeMark("#B8BDC6", "?", "unresolved", "...."),
 }
 
 

@@ -1,7 +1,7 @@
 """`WS /runs/{id}/playback`: a recorded run at any moment, in a scene of its own.
 
 The client names moments, and for each gets the snapshot that was published then; meanwhile asked moments are left out
-but for the last. The connection is the screening: when it ends, so does the scene.
+but for the last. The connection is the session: when it ends, so does the scene.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from server.api.scene import SceneChange
 from server.api.services import ServicesDep
 from server.edge.problem_json import document_of
 from server.errors import ServiceBusy
-from server.library.replay_session import Opened, Screening
-from server.library.replay_sessions import Playbacks
+from server.library.replay_session import Opened, ReplaySession
+from server.library.replay_sessions import ReplaySessions
 from server.mission.feed import snapshot_text
 from server.scene import CAMERAS
 from sim.errors import CaptureError
@@ -61,19 +61,19 @@ _MESSAGE: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discrimina
 async def playback(websocket: WebSocket, services: ServicesDep, run_id: RunId) -> None:
     """Screen the run until the client leaves."""
     await websocket.accept()
-    playbacks = services.playbacks
+    replay_sessions = services.replay_sessions
     try:
-        key, screening = await playbacks.open(services.store.root, run_id)
+        key, session = await replay_sessions.open(services.store.root, run_id)
     except CaptureError as refusal:
         code = TRY_AGAIN_LATER if isinstance(refusal, ServiceBusy) else POLICY
         await websocket.send_text(_refused(refusal))
         await websocket.close(code, str(refusal)[:100])
         return
     try:
-        await websocket.send_text(_opened(key, screening.opened))
-        await _Room(websocket, playbacks, screening).serve()
+        await websocket.send_text(_opened(key, session.opened))
+        await _Connection(websocket, replay_sessions, session).serve()
     finally:
-        playbacks.close(key)
+        replay_sessions.close(key)
 
 
 def _opened(key: str, opened: Opened) -> str:
@@ -92,13 +92,13 @@ def _refused(refusal: CaptureError) -> str:
     return '{"type":"refused","problem":' + document_of(refusal).model_dump_json(exclude_none=True) + "}"
 
 
-class _Room:
-    """One client and its screening: the last moment asked for is shown as soon as the one before is."""
+class _Connection:
+    """One client and its session: the last moment asked for is shown as soon as the one before is."""
 
-    def __init__(self, websocket: WebSocket, playbacks: Playbacks, screening: Screening) -> None:
+    def __init__(self, websocket: WebSocket, replay_sessions: ReplaySessions, session: ReplaySession) -> None:
         self._websocket = websocket
-        self._playbacks = playbacks
-        self._screening = screening
+        self._sessions = replay_sessions
+        self._session = session
         self._wanted: Show | None = None
         self._arrangement: Arrange | None = None
         self._news = asyncio.Event()
@@ -139,15 +139,15 @@ class _Room:
             self._news.clear()
             arrangement, self._arrangement = self._arrangement, None
             if arrangement is not None:
-                arrange = self._screening.arrange
-                await self._playbacks.aside(arrange, arrangement.camera, arrangement.layers)
+                arrange = self._session.arrange
+                await self._sessions.aside(arrange, arrangement.camera, arrangement.layers)
             wanted, self._wanted = self._wanted, None
             if wanted is not None:
                 await self._show(wanted.time)
 
     async def _show(self, time: float) -> None:
         try:
-            snapshot = await self._playbacks.aside(self._screening.show, time)
+            snapshot = await self._sessions.aside(self._session.show, time)
         except CaptureError as refusal:
             await self._websocket.send_text(_refused(refusal))
             return

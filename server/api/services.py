@@ -12,7 +12,7 @@ from server.access.guard import Access, holder_of
 from server.library.index import RunIndex
 from server.library.presets import PresetStore
 from server.library.recorder import Recorder
-from server.library.replay_sessions import Playbacks
+from server.library.replay_sessions import ReplaySessions
 from server.library.runs import RunStore
 from server.library.scripted import ScriptedRuns
 from server.link.robot_link import RobotLink
@@ -46,7 +46,7 @@ class Services:
     study_queue: StudyQueue
     aside: Aside
     scene: Scene
-    playbacks: Playbacks
+    replay_sessions: ReplaySessions
 
 
 # Asynchronous, though they wait for nothing: FastAPI gives others to a pool of threads, which readers may fill, and

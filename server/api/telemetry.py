@@ -81,10 +81,10 @@ async def _send_mission_so_far(send: Any, feed: Feed, subscriber: Subscriber) ->
 
 async def _receive(websocket: WebSocket, subscriber: Subscriber) -> None:
     while (message := await websocket.receive())["type"] == "websocket.receive":
-        _heed(message.get("text") or "", subscriber)
+        _handle_message(message.get("text") or "", subscriber)
 
 
-def _heed(text: str, subscriber: Subscriber) -> None:
+def _handle_message(text: str, subscriber: Subscriber) -> None:
     """Do what a client's message says; what is no such message is ignored."""
     try:
         message = json.loads(text[:LARGEST_MESSAGE])

@@ -34,7 +34,7 @@ class Authority(NamedTuple):
         return DEFAULT_PORTS.get(scheme) if self.port is None else self.port
 
 
-class Origin(NamedTuple):
+class PageOrigin(NamedTuple):
     """Where a page comes from."""
 
     scheme: str
@@ -59,14 +59,14 @@ def read_authority(text: str) -> Authority | None:
     return None if host is None or (port is not None and not 0 < port < 65536) else Authority(host, port)
 
 
-def read_origin(text: str) -> Origin | None:
+def read_origin(text: str) -> PageOrigin | None:
     """What an `Origin` header says, `https://lab.example`; None if that is no origin, as `null` is none."""
     found = _ORIGIN.fullmatch(text)
     authority = read_authority(found["authority"]) if found else None
-    return None if found is None or authority is None else Origin(found["scheme"].lower(), authority)
+    return None if found is None or authority is None else PageOrigin(found["scheme"].lower(), authority)
 
 
-def is_same(origin: Origin, host: Authority, scheme: str) -> bool:
+def is_same(origin: PageOrigin, host: Authority, scheme: str) -> bool:
     """Whether a page of that origin asks the service that shows it.
 
     Args:

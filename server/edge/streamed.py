@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from server.process.aside import PiecesLost, Stream
+from server.process.aside import PiecesLost, PieceStream
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +20,7 @@ SEND_TIME = 20.0
 class Streamed(StreamingResponse):
     """Ends its process when all is sent, when the client goes, and when it takes nothing any more."""
 
-    def __init__(self, stream: Stream, media_type: str, headers: Mapping[str, str]) -> None:
+    def __init__(self, stream: PieceStream, media_type: str, headers: Mapping[str, str]) -> None:
         super().__init__(stream, media_type=media_type, headers=headers)
         self._stream = stream
 

@@ -232,7 +232,7 @@ def _stored_ticks(file: BinaryIO, index: ChunkIndex, layout: TickLayout) -> Stor
     return StoredTicks(layout.ticks(found), found)
 
 
-def mend_log(path: Path) -> Scanned:
+def repair_log(path: Path) -> Scanned:
     """Cut what is not whole off the end of a log, and close it with its summary, so that every tool opens it.
 
     Raises:

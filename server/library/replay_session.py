@@ -103,7 +103,7 @@ class _Projection:
         self._scene.arrange(camera, layers)
 
 
-class Screening:
+class ReplaySession:
     """A projection in its own process, as the service sees it; one call at a time."""
 
     def __init__(self, root: Path, run_id: str) -> None:
@@ -172,7 +172,7 @@ class Screening:
 
 
 def _project(root: Path, run_id: str, pipe: Connection) -> None:
-    """Be the process of one screening, until it is killed or the service ends."""
+    """Be the process of one session, until it is killed or the service ends."""
     begin_aside(NICENESS)
     try:
         projection = _Projection(root, run_id)

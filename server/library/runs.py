@@ -27,9 +27,9 @@ from server.library.folder import (
     RunReader,
     RunRecord,
     RunWriter,
-    mend_log,
     read_record,
     read_remarks,
+    repair_log,
     write_record,
     write_remarks,
 )
@@ -222,13 +222,13 @@ def _recovered(folder: Path) -> RunRecord:
     try:
         record = read_record(folder)
         if record.integrity is None and record.status != "queued":
-            record = _mended(folder, record)
+            record = _repaired(folder, record)
     finally:
         claim.release()
     return record
 
 
-def _mended(folder: Path, record: RunRecord) -> RunRecord:
+def _repaired(folder: Path, record: RunRecord) -> RunRecord:
     reader = RunReader(folder, record)
     found = reader.scanned()
     last = reader.last_tick()
@@ -244,8 +244,8 @@ def _mended(folder: Path, record: RunRecord) -> RunRecord:
     recovered = record.model_copy(update=changes)
     try:
         if reader.has_log:
-            mend_log(reader.log_path)
+            repair_log(reader.log_path)
         write_record(folder, recovered)
-    except OSError as error:  # a full disk, for one: it is told as it is, and mended at a later look
+    except OSError as error:  # a full disk, for one: it is told as it is, and repaired at a later look
         log.warning("run %s is recovered in memory only: %s", record.id, error)
     return recovered

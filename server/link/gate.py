@@ -16,7 +16,7 @@ import numpy as np
 
 from server.link.contract import DEADLINE, JOINT_NAMES, SESSION, RobotMode
 from server.link.refusals import Quiet
-from server.link.wire import Call, JointCommand, printable
+from server.link.wire import JointCommand, RobotCall, printable
 from sim.compiled import FloatArray
 
 RAMP_TIME = 0.05
@@ -40,7 +40,7 @@ class Limits(NamedTuple):
     """How old a heartbeat or command may be [s]."""
 
 
-class Verdict(NamedTuple):
+class Permission(NamedTuple):
     """The answer to a request."""
 
     granted: bool
@@ -72,7 +72,7 @@ class Gate:
         self._opened = 0
         self._stopped = 0
 
-    def open(self, call: Call, now: int) -> Verdict:
+    def open(self, call: RobotCall, now: int) -> Permission:
         """Give the robot to a session, unless another console holds it and is alive.
 
         The request answers a joint state, as a command does: one that waited somewhere, or was sent before the last
@@ -82,24 +82,24 @@ class Gate:
         if reason:
             return self._refuse(call.session, reason, now)
         if call.session == self.session:
-            return Verdict(True)  # once more: its acknowledgement was not heard yet
+            return Permission(True)  # once more: its acknowledgement was not heard yet
         self.session, self.mode, self.why = call.session, RobotMode.FOLLOWING, ""
         self._heard, self._heartbeat, self._commanded = now, 0, now
         self._opened = call.stamp
         self._wanted[:] = 0.0
         log.info("session %s holds the robot", call.session)
-        return Verdict(True)
+        return Permission(True)
 
-    def stop(self, call: Call | None, now: int) -> Verdict:
+    def stop(self, call: RobotCall | None, now: int) -> Permission:
         """Joint rates zero; anyone may, also by a message that cannot be read."""
         session = call.session if call is not None else ""
         self.mode, self.why = RobotMode.STOPPED, f"STOP from {printable(session, TOLD_NAME) or 'unknown'}"
         self._stopped = now
         self._wanted[:] = self._given[:] = 0.0
         self._quiet.warning("stop", self.why, 1e-9 * now)
-        return Verdict(True)
+        return Permission(True)
 
-    def heartbeat(self, call: Call, now: int) -> None:
+    def heartbeat(self, call: RobotCall, now: int) -> None:
         """Note that the holder of the session is alive.
 
         Its clock is not known here, but that it runs as this one does: a stamp that is further ahead of the last one
@@ -113,7 +113,7 @@ class Gate:
             return
         self._heartbeat, self._heard = call.stamp, now
 
-    def command(self, command: JointCommand, now: int, arrived: int | None = None) -> Verdict:
+    def command(self, command: JointCommand, now: int, arrived: int | None = None) -> Permission:
         """Follow these joint rates from now on, or refuse them; they arrived now, or were looked at later."""
         reason = self._fault_of(command, now)
         if reason:
@@ -122,7 +122,7 @@ class Gate:
         self._wanted[:] = command.rate
         self.accepted += 1
         self._ages.append(1e-9 * ((now if arrived is None else arrived) - command.stamp))
-        return Verdict(True)
+        return Permission(True)
 
     def rates(self, now: int, period: float) -> FloatArray:
         """Joint rates for the period [s] that begins now, shape (2, 3) [rad/s]."""
@@ -156,7 +156,7 @@ class Gate:
         self._wanted[:] = 0.0
         log.warning("session %s: %s; joint rates go to zero", self.session, why)
 
-    def _fault_of_opening(self, call: Call, now: int) -> str:
+    def _fault_of_opening(self, call: RobotCall, now: int) -> str:
         """Why a session cannot be opened; empty if it can."""
         asked, own = re.fullmatch(SESSION, call.session), re.fullmatch(SESSION, self.session)
         if asked is None:
@@ -202,7 +202,7 @@ class Gate:
         value, limit = float(rate.flat[fastest]), self.limits.joint_rate
         return f"{JOINT_NAMES[fastest]} = {value:.3g} rad/s: the limit is {limit:g} rad/s" if abs(value) > limit else ""
 
-    def refuse_tare(self, call: Call, now: int) -> str:
+    def refuse_tare(self, call: RobotCall, now: int) -> str:
         """Why the wrists cannot be tared; empty if they can."""
         if call.session != self.session or not self.session:
             return f"another session holds the robot ({self.session or 'none'})"
@@ -212,10 +212,10 @@ class Gate:
         """Note a message that is none."""
         self._refuse("", f"{what}: {reason}", now)
 
-    def _refuse(self, session: str, reason: str, now: int) -> Verdict:
+    def _refuse(self, session: str, reason: str, now: int) -> Permission:
         self.refused += 1
         who = printable(session, TOLD_NAME) or "unknown"
         self.last_refusal = f"{who}: {reason}"
         kind = re.sub(r"[-+.\d]+", "#", reason)
         self._quiet.warning(f"{who} {kind}", f"refused from {who}: {reason}", 1e-9 * now)
-        return Verdict(False, reason)
+        return Permission(False, reason)

@@ -24,7 +24,7 @@ from server.link.refusals import Quiet, Refusals
 from server.link.reports import RobotReports
 from server.link.session import LinkSession
 from server.link.streams import OtherClock, Stream
-from server.link.wire import Echo, JointSample, PlaneSample, Report, WireError
+from server.link.wire import Echo, JointSample, PlaneSample, StatusReport, WireError
 from sim.compiled import FloatArray
 
 STEADY_SPAN = 1.0
@@ -96,7 +96,7 @@ class Reception:
         self._broken: dict[str, _Broken] = {}
         self._joint_watch = trust.JointWatch()
 
-    def listen(self, link: LinkSession, acknowledged: Callable[[Report], None]) -> None:
+    def listen(self, link: LinkSession, acknowledged: Callable[[StatusReport], None]) -> None:
         """Take what comes on that end; acknowledgements are given on, with `change` held."""
         bounds, world = self._expected.bounds, self._expected.world_frame
         link.subscribe(
@@ -116,7 +116,7 @@ class Reception:
         )
         link.subscribe(contract.MODE, self._reader(contract.MODE, wire.decode_report, self._take_mode))
 
-        def take_acknowledgement(report: Report, at: float) -> str:
+        def take_acknowledgement(report: StatusReport, at: float) -> str:
             refusal = self.identity.refusal(report.robot, at)
             if not refusal:
                 acknowledged(report)
@@ -271,7 +271,7 @@ class Reception:
         self.other_clock.note(echo.sent, echo.received, self._clock.now(), at)
         return ""
 
-    def _take_mode(self, report: Report, at: float) -> str:
+    def _take_mode(self, report: StatusReport, at: float) -> str:
         refusal = self.identity.refusal(report.robot, at)
         if refusal:
             return refusal

@@ -10,21 +10,21 @@ import re
 
 from server.link.contract import RobotMode
 from server.link.streams import WorstOf, begins_anew
-from server.link.wire import Report
+from server.link.wire import StatusReport
 
 
 class RobotReports:
     """The newest report. Stamps [ns] are the robot's; arrivals `time.monotonic` [s]."""
 
     def __init__(self) -> None:
-        self.latest: Report | None = None
+        self.latest: StatusReport | None = None
         self.at = 0.0
         """When it came."""
         self.command_age = WorstOf()
         """99 % quantiles, each of the two seconds before."""
         self._granted = 0
 
-    def take(self, report: Report, at: float) -> bool:
+    def take(self, report: StatusReport, at: float) -> bool:
         """Note a report that came at that instant; whether it is newer than all before."""
         latest = self.latest
         if latest is not None and report.stamp <= latest.stamp and not begins_anew(at, self.at):
@@ -41,7 +41,7 @@ class RobotReports:
         self._granted = stamp
 
     @property
-    def of_session(self) -> Report | None:
+    def of_session(self) -> StatusReport | None:
         """The newest report, if the robot made it after it granted the present session."""
         latest = self.latest
         return latest if latest is not None and latest.stamp >= self._granted else None

@@ -22,7 +22,7 @@ from server.link import contract, wire
 from server.link.clock import Clock
 from server.link.contract import JOINT_NAMES, Channel, RobotMode
 from server.link.faults import Faults, Outbox, Sensor
-from server.link.gate import Gate, Limits, Verdict
+from server.link.gate import Gate, Limits, Permission
 from server.link.imperfections import Imperfections, Sensors
 from server.link.session import LinkSession, Transport
 from server.process.realtime import realtime_priority
@@ -129,7 +129,7 @@ class RobotEmulator:
         """End it; for any thread."""
         self._ended.set()
 
-    def suffer(self, faults: Faults) -> None:
+    def inject_faults(self, faults: Faults) -> None:
         """Have these faults from now on."""
         self._faults = faults
         if self._robot is not None:
@@ -318,17 +318,17 @@ class _Robot:
         else:
             self._acknowledge(channel, call, self._tare(call, now))
 
-    def _tare(self, call: wire.Call, now: int) -> Verdict:
+    def _tare(self, call: wire.RobotCall, now: int) -> Permission:
         refusal = self._gate.refuse_tare(call, now)
         if refusal:
-            return Verdict(False, refusal)
+            return Permission(False, refusal)
         self._sensors.tare()
-        return Verdict(self._sensors.tared, "" if self._sensors.tared else "no reading yet")
+        return Permission(self._sensors.tared, "" if self._sensors.tared else "no reading yet")
 
-    def _acknowledge(self, channel: Channel, call: wire.Call, verdict: Verdict) -> None:
+    def _acknowledge(self, channel: Channel, call: wire.RobotCall, verdict: Permission) -> None:
         name = channel.key.removeprefix(f"{contract.PREFIX}/")
         values = {"session": call.session, "stamp": str(call.stamp)}
-        report = wire.Report(self._clock.now(), self._identity, name, verdict.granted, verdict.reason, values)
+        report = wire.StatusReport(self._clock.now(), self._identity, name, verdict.granted, verdict.reason, values)
         self.outbox.send(contract.ACKNOWLEDGEMENT, wire.encode_report(report))
 
     def _measure(self, stamp: int) -> None:
@@ -373,7 +373,7 @@ class _Robot:
             return
         self._shown = shown
         healthy = gate.mode in (RobotMode.WAITING, RobotMode.FOLLOWING)
-        report = wire.Report(stamp, self._identity, "robot", healthy, gate.mode, self._mode_values())
+        report = wire.StatusReport(stamp, self._identity, "robot", healthy, gate.mode, self._mode_values())
         self.outbox.send(contract.MODE, wire.encode_report(report))
 
     def _mode_values(self) -> Mapping[str, str]:

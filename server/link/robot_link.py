@@ -25,7 +25,7 @@ from server.link.perception import Perception
 from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
 from server.link.reports import whole
 from server.link.session import LinkSession, Transport
-from server.link.wire import Call, JointCommand, JointSample, Report
+from server.link.wire import JointCommand, JointSample, RobotCall, StatusReport
 from server.process.realtime import realtime_priority
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
@@ -72,7 +72,7 @@ class Answer(NamedTuple):
 class Stop(NamedTuple):
     """A STOP on its way."""
 
-    call: Call
+    call: RobotCall
     sent_at: float
     """`time.monotonic` [s]."""
 
@@ -177,7 +177,7 @@ class RobotLink:
     def stop(self) -> None:
         """Send STOP at once, and again until the robot acknowledges it; for any thread."""
         now = time.monotonic()
-        call = Call(self.clock.now(), self.session or f"{self.console}.0")
+        call = RobotCall(self.clock.now(), self.session or f"{self.console}.0")
         with self._change:
             self.stop_sent, self.stop_acknowledged_after = Stop(call, now), None
         self._send(contract.STOP, wire.encode_call(call))
@@ -231,7 +231,7 @@ class RobotLink:
         """How long ago the robot measured what has that stamp, by both clocks [s]; 0 before the offset is known."""
         return self.reception.staleness(stamp)
 
-    def stranger(self) -> str | None:
+    def last_refused_sender(self) -> str | None:
         """Whom the robot last refused beside this console's own; None if nobody."""
         refusal = self.reports.value("last_refusal")
         return refusal if refusal and not refusal.startswith(f"{self.console}.") else None
@@ -278,7 +278,7 @@ class RobotLink:
             # It answers a joint state, as a command does: the robot judges by its own clock whether it is of now.
             stamp = self.streams[contract.JOINT_STATES.key].latest
             sent.add(stamp)
-            self._send(channel, wire.encode_call(Call(stamp, session)))
+            self._send(channel, wire.encode_call(RobotCall(stamp, session)))
             with self._change:
                 self._change.wait_for(lambda: self._answer_to(name, session, sent) is not None, REPEAT_PERIOD)
                 answer = self._answer_to(name, session, sent)
@@ -293,7 +293,7 @@ class RobotLink:
 
     def _ping(self, session: str) -> None:
         """Send a heartbeat of that session."""
-        call = Call(self.clock.now(), session)
+        call = RobotCall(self.clock.now(), session)
         self.reception.sent(call.stamp)
         self._send(contract.HEARTBEAT, wire.encode_call(call))
 
@@ -313,7 +313,7 @@ class RobotLink:
             if time.monotonic() - self._flown_at > PING_PERIOD:
                 self._ping(f"{self.console}.0")
 
-    def _take_acknowledgement(self, report: Report) -> None:
+    def _take_acknowledgement(self, report: StatusReport) -> None:
         """Take an answer of the robot's; called with `_change` held."""
         session, stamp = report.values.get("session", ""), whole(report.values.get("stamp", ""))
         if not session.startswith(f"{self.console}.") or stamp is None:

@@ -56,9 +56,9 @@ def create_robot_app(emulator: RobotEmulator) -> FastAPI:
         return emulator.faults
 
     @app.put("/faults")
-    def suffer(body: Faults) -> Faults:
+    def inject_faults(body: Faults) -> Faults:
         """Have these faults from now on; what is left out is in order again."""
-        emulator.suffer(body)
+        emulator.inject_faults(body)
         return body
 
     @app.post("/hang", status_code=202)

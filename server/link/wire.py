@@ -70,7 +70,7 @@ class PlaneSample(NamedTuple):
     (force z, torque x, torque y)."""
 
 
-class Call(NamedTuple):
+class RobotCall(NamedTuple):
     """A heartbeat or a request: who, and when by the console's clock [ns]."""
 
     stamp: int
@@ -88,7 +88,7 @@ class Echo(NamedTuple):
     robot: str
 
 
-class Report(NamedTuple):
+class StatusReport(NamedTuple):
     """Mode or acknowledgement."""
 
     stamp: int
@@ -197,12 +197,12 @@ def decode_twist(payload: bytes) -> PlaneSample:
     return _plane(message.header, (linear[0], linear[1], angular[2]), (linear[2], angular[0], angular[1]))
 
 
-def encode_call(call: Call) -> bytes:
+def encode_call(call: RobotCall) -> bytes:
     """As `std_msgs/Header`."""
     return serialized(_header(call.stamp, call.session), "std_msgs/msg/Header")
 
 
-def decode_call(payload: bytes) -> Call:
+def decode_call(payload: bytes) -> RobotCall:
     """From `std_msgs/Header`.
 
     Raises:
@@ -210,7 +210,7 @@ def decode_call(payload: bytes) -> Call:
 
     """
     message = _message(payload, "std_msgs/msg/Header")
-    return Call(_time(message.stamp), _name(message.frame_id, "frame_id"))
+    return RobotCall(_time(message.stamp), _name(message.frame_id, "frame_id"))
 
 
 def encode_echo(echo: Echo) -> bytes:
@@ -232,7 +232,7 @@ def decode_echo(payload: bytes) -> Echo:
     return Echo(_stamp(message.header), _time(message.time_ref), _name(message.source, "source"), robot)
 
 
-def encode_report(report: Report) -> bytes:
+def encode_report(report: StatusReport) -> bytes:
     """As `diagnostic_msgs/DiagnosticArray` of one status."""
     values = [ros("diagnostic_msgs/msg/KeyValue", key, value) for key, value in report.values.items()]
     level = 0 if report.good else 1
@@ -241,7 +241,7 @@ def encode_report(report: Report) -> bytes:
     return serialized(message, "diagnostic_msgs/msg/DiagnosticArray")
 
 
-def decode_report(payload: bytes) -> Report:
+def decode_report(payload: bytes) -> StatusReport:
     """From `diagnostic_msgs/DiagnosticArray` of one status.
 
     Raises:
@@ -256,7 +256,7 @@ def decode_report(payload: bytes) -> Report:
         raise WireError(f"values has {len(status.values)} entries; at most {MOST_VALUES} are read")
     values = {printable(each.key): printable(each.value) for each in status.values}
     robot = _identity(status.hardware_id, "hardware_id")
-    return Report(
+    return StatusReport(
         _stamp(message.header), robot, printable(status.name), status.level == 0, printable(status.message), values
     )
 

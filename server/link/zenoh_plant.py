@@ -70,7 +70,7 @@ class ZenohPlant:
         self._state: Record = np.zeros(1, PLANT_STATE)[0]
         self._state["tick"] = -1
         self._lag = np.zeros((2, 3))
-        self._told: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
+        self._recent_commands: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
         self._stopped = False
         link.open_session()
         self._first: int | None = None
@@ -125,7 +125,7 @@ class ZenohPlant:
             self._link.heartbeat()
             return
         self._link.command(self._last, joint_rate)
-        self._told.append(joint_rate.copy())
+        self._recent_commands.append(joint_rate.copy())
 
     def stop(self) -> None:
         """Tell the robot to stop; nothing is commanded any more in this session."""
@@ -164,7 +164,7 @@ class ZenohPlant:
         """Whether a joint is where it cannot have come to since the last state."""
         moved = np.abs(joints.angle - self._angle)
         worst = int(moved.argmax())
-        fastest = max((float(np.abs(rate).max()) for rate in self._told), default=0.0)
+        fastest = max((float(np.abs(rate).max()) for rate in self._recent_commands), default=0.0)
         reach = JUMP + 1e-9 * (joints.stamp - self._last) * fastest
         return f"{JOINT_NAMES[worst]} jumped by {moved.flat[worst]:.3f} rad" if moved.flat[worst] > reach else None
 
@@ -180,11 +180,13 @@ class ZenohPlant:
 
     def _lagging(self, joints: JointSample) -> str | None:
         """Whether a joint does not do what it is told."""
-        if self._stopping or not self._told:
+        if self._stopping or not self._recent_commands:
             return None
         dt = 1e-9 * (joints.stamp - self._last)
-        moved, told = joints.angle - self._angle, dt * np.array(self._told)
-        self._lag = self._lag * math.exp(-dt / LAG_TIME) + np.clip(moved, told.min(axis=0), told.max(axis=0)) - moved
+        moved, commanded = joints.angle - self._angle, dt * np.array(self._recent_commands)
+        self._lag = (
+            self._lag * math.exp(-dt / LAG_TIME) + np.clip(moved, commanded.min(axis=0), commanded.max(axis=0)) - moved
+        )
         worst = int(np.abs(self._lag).argmax())
         behind = abs(float(self._lag.flat[worst]))
         return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None

@@ -46,7 +46,7 @@ _INDEX_HEAD = struct.Struct("<BQHI")
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 
 
-class Sink(Protocol):
+class ByteSink(Protocol):
     """Whatever takes bytes in order: a file, or the pieces of a download."""
 
     def write(self, content: bytes, /) -> Any:
@@ -170,7 +170,7 @@ class _Placed(NamedTuple):
 class McapStream:
     """Writes one MCAP file from its first byte on. A chunk reaches the sink whole, with its indexes, in one write."""
 
-    def __init__(self, sink: Sink) -> None:
+    def __init__(self, sink: ByteSink) -> None:
         self._sink = sink
         self._compressor = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL)
         self._draft = bytearray()

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from server.log.ros import header, ros, ros_schema, serialized
 from server.log.scene import MARKERS, scene
-from server.log.stream import Bytes, McapStream, Sink, messages
+from server.log.stream import Bytes, ByteSink, McapStream, messages
 from server.log.ticks import tick_payloads, tick_schema
 from server.log.topics import EVENT_TOPIC, LOG_TOPIC, SCENE_TOPIC, TICK_TOPIC, topics_of
 from sim.capture.events import Event
@@ -40,7 +40,7 @@ def prepare_logs() -> None:
 class LogWriter:
     """Ticks and events in, one MCAP file out; times are those of the mission, counted from the run's start."""
 
-    def __init__(self, sink: Sink, started: str, config: MissionConfig, schema: Schema | None = None) -> None:
+    def __init__(self, sink: ByteSink, started: str, config: MissionConfig, schema: Schema | None = None) -> None:
         """Of a run that started then; its ticks in that schema, if not in today's."""
         self._stream = McapStream(sink)
         self._began = nanoseconds(started)

@@ -21,7 +21,7 @@ ARMED_TIME = 6.0
 TO_BE_ARMED: tuple[CommandName, ...] = get_args(ArmedCommand)
 
 
-class Moment(NamedTuple):
+class ArmingContext(NamedTuple):
     """Where a mission stands; what is armed there is good nowhere else."""
 
     run_id: str
@@ -29,11 +29,11 @@ class Moment(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Held:
+class _ArmedEntry:
     token: str
     order: str
     armed: Armed
-    where: Moment
+    where: ArmingContext
     until: float
 
 
@@ -41,18 +41,18 @@ class ArmedOrder:
     """The one command that is armed, if any. Times are of a monotonic clock [s]. Used by the mission thread only."""
 
     def __init__(self) -> None:
-        self._held: _Held | None = None
+        self._held: _ArmedEntry | None = None
 
-    def arm(self, request: Request, command: ArmedCommand, where: Moment, now: float) -> None:
+    def arm(self, request: Request, command: ArmedCommand, where: ArmingContext, now: float) -> None:
         """Hold this command, which the request names with its arguments and its token; another one is forgotten."""
         armed = Armed(command=command, by=request.who, expires_in=ARMED_TIME)
-        self._held = _Held(request.arming or "", _order(command, request), armed, where, now + ARMED_TIME)
+        self._held = _ArmedEntry(request.arming or "", _order(command, request), armed, where, now + ARMED_TIME)
 
     def disarm(self) -> None:
         """Hold nothing."""
         self._held = None
 
-    def watch(self, where: Moment, now: float) -> None:
+    def watch(self, where: ArmingContext, now: float) -> None:
         """Disarm what has expired, or was armed in another phase or run."""
         if self._held is not None and (now >= self._held.until or where != self._held.where):
             self.disarm()
@@ -62,7 +62,7 @@ class ArmedOrder:
         held = self._held
         return None if held is None else held.armed.model_copy(update={"expires_in": max(0.0, held.until - now)})
 
-    def redeem(self, request: Request, where: Moment, now: float) -> None:
+    def redeem(self, request: Request, where: ArmingContext, now: float) -> None:
         """Use up what is armed for this request; whatever does not fit it is disarmed too.
 
         Raises:

@@ -9,7 +9,7 @@ from typing import ClassVar, cast
 from server.errors import ConfigOutdated
 from server.instants import wall_clock
 from server.library.changes import changed_words
-from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, Moment
+from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, ArmingContext
 from server.mission.clock import MissionClock
 from server.mission.control import CONTROL_COMMANDS, ControlCommand, ControlDesk
 from server.mission.inbox import Request, Revision
@@ -86,7 +86,7 @@ class Commands:
         command = cast("ArmedCommand", request.arms)
         if command not in ("reset", "configure"):
             next_phase(flying.phase, Command(command))
-        self._armed.arm(request, command, moment_of(flying), time.monotonic())
+        self._armed.arm(request, command, arming_context(flying), time.monotonic())
         return f"{command} is armed for {ARMED_TIME:g} s"
 
     def _require_armed(self, request: Request, flying: LiveMission) -> None:
@@ -97,7 +97,7 @@ class Commands:
 
         """
         if self._arming_needed or request.arming is not None:
-            self._armed.redeem(request, moment_of(flying), time.monotonic())
+            self._armed.redeem(request, arming_context(flying), time.monotonic())
 
     def _change_control(self, request: Request, _flying: LiveMission) -> str:
         command = cast("ControlCommand", request.command)
@@ -193,9 +193,9 @@ class Commands:
     }
 
 
-def moment_of(flying: LiveMission) -> Moment:
+def arming_context(flying: LiveMission) -> ArmingContext:
     """Where the mission stands; what is armed there is good nowhere else."""
-    return Moment(flying.run.id, flying.phase.label)
+    return ArmingContext(flying.run.id, flying.phase.label)
 
 
 def _checked(revision: Revision, base: MissionConfig) -> MissionConfig:

@@ -31,12 +31,12 @@ class Latest(NamedTuple):
     encoded: str
 
     @property
-    def frame(self) -> Frame:
+    def frame(self) -> FeedMessage:
         """As a message to subscribers."""
-        return Frame("snapshot", snapshot_text(self.encoded), self.snapshot.tick, self.snapshot.service_time)
+        return FeedMessage("snapshot", snapshot_text(self.encoded), self.snapshot.tick, self.snapshot.service_time)
 
 
-class Frame(NamedTuple):
+class FeedMessage(NamedTuple):
     """One message to subscribers."""
 
     kind: str
@@ -51,8 +51,8 @@ class Subscriber:
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
-        self._events: deque[Frame] = deque()
-        self._snapshot: Frame | None = None
+        self._events: deque[FeedMessage] = deque()
+        self._snapshot: FeedMessage | None = None
         self._ready = asyncio.Event()
         self._next_due = 0.0
         self._sent_until = float("-inf")
@@ -67,7 +67,7 @@ class Subscriber:
         """Frames that it has not taken yet."""
         return len(self._events) + (self._snapshot is not None)
 
-    def offer(self, frame: Frame, now: float) -> None:
+    def offer(self, frame: FeedMessage, now: float) -> None:
         """Queue a frame, unless it is a snapshot sooner than the subscriber's rate wants one."""
         if frame.kind != "snapshot":
             self._queue(frame)
@@ -79,19 +79,19 @@ class Subscriber:
         self._next_due = max(self._next_due + period, now + 0.5 * period)
         self.show(frame)
 
-    def show(self, frame: Frame) -> None:
+    def show(self, frame: FeedMessage) -> None:
         """Let this snapshot be the next one that is sent, unless a newer one was."""
         if frame.made_at > self._sent_until:
             self.lost += self._snapshot is not None
             self._snapshot = frame
             self._ready.set()
 
-    async def next(self) -> Frame:
+    async def next(self) -> FeedMessage:
         """The oldest event that waits, else the newest snapshot; waits for one if there is none."""
         while True:
             if self._missed:
                 missed, self._missed = self._missed, 0
-                return Frame("missed", json.dumps({"type": "missed", "events": missed}))
+                return FeedMessage("missed", json.dumps({"type": "missed", "events": missed}))
             if self._events:
                 return self._events.popleft()
             if self._snapshot is not None and len(self._unacknowledged) < WINDOW:
@@ -107,7 +107,7 @@ class Subscriber:
                 pass
         self._ready.set()
 
-    def _queue(self, frame: Frame) -> None:
+    def _queue(self, frame: FeedMessage) -> None:
         if frame.kind == "reset":  # what was before it belongs to another run
             self._snapshot = None
             self._unacknowledged.clear()
@@ -124,7 +124,7 @@ class Subscriber:
             self._missed += 1
             self.lost += 1
 
-    def _take_snapshot(self, frame: Frame) -> Frame:
+    def _take_snapshot(self, frame: FeedMessage) -> FeedMessage:
         self._snapshot, self._sent_until = None, frame.made_at
         if self._acknowledges:
             self._unacknowledged.append(frame.tick)
@@ -141,7 +141,7 @@ class Feed:
         self.history = HistoryRing()
         self._subscribers: set[Subscriber] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._pending: deque[Frame] = deque(maxlen=CAPACITY)
+        self._pending: deque[FeedMessage] = deque(maxlen=CAPACITY)
         self._scheduled = threading.Event()
         self._lost_by_gone = 0
 
@@ -182,14 +182,14 @@ class Feed:
 
     def publish_event(self, event: LoggedEvent) -> None:
         """Tell everyone what happened."""
-        self._send(Frame("event", '{"type":"event",' + event.model_dump_json()[1:], event.tick))
+        self._send(FeedMessage("event", '{"type":"event",' + event.model_dump_json()[1:], event.tick))
 
     def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
         """A new mission begins, perhaps with a past: what was before is history no more."""
         self.history.begin(run_id, past)
-        self._send(Frame("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
+        self._send(FeedMessage("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
 
-    def _send(self, frame: Frame) -> None:
+    def _send(self, frame: FeedMessage) -> None:
         loop = self._loop
         if loop is None or not self._subscribers:
             return

@@ -18,7 +18,7 @@ CAPACITY = 750
 """Pieces at most; two neighbours become one when it is full. Their JSON, the first that a late reader is sent, stays
 under the mebibyte that WebSocket clients take of a message unless they are told otherwise."""
 
-AT_ONCE = 1000
+TICKS_AT_ONCE = 1000
 """Ticks that are taken in with one length of their pieces; far fewer than fill the room."""
 
 FIRST_STRIDE = 16
@@ -69,8 +69,8 @@ class HistoryRing:
 
     def keep(self, ticks: TickArray) -> None:
         """Take in rows of `TICK` that follow those before; they show when their piece is whole."""
-        for start in range(0, len(ticks), AT_ONCE):
-            self._keep_few(ticks[start : start + AT_ONCE])
+        for start in range(0, len(ticks), TICKS_AT_ONCE):
+            self._keep_few(ticks[start : start + TICKS_AT_ONCE])
 
     def _keep_few(self, ticks: TickArray) -> None:
         """Take in rows that all become pieces of one length."""

@@ -15,7 +15,7 @@ from server.library.recorder import BACKLOG_LIMIT, Recorder
 from server.link.robot_link import RobotLink
 from server.mission.arming import ArmedOrder
 from server.mission.clock import MissionClock
-from server.mission.commands import Commands, moment_of
+from server.mission.commands import Commands, arming_context
 from server.mission.control import ControlDesk
 from server.mission.feed import Feed
 from server.mission.fork import ForkParent
@@ -242,7 +242,7 @@ class MissionLoop:
             due = max(due, 1)  # what was granted begins with this tick, and the answer tells it
         self._fly(due, now)
         flying = self._flying
-        self._armed.watch(moment_of(flying), now)
+        self._armed.watch(arming_context(flying), now)
         for request, answer, message in granted:
             self._replies.grant(request, answer, message, flying)
         if self._replies.wait or self._publisher.is_due(now):

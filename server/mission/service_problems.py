@@ -75,8 +75,8 @@ class ServiceProblems:
         )
         _show(
             flying,
-            "stranger",
-            link.stranger(),
+            "refused_sender",
+            link.last_refused_sender(),
             "The robot refused somebody else",
             "see who else is on the network",
         )

@@ -28,7 +28,7 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.access.headers import content_policy, inline_scripts
-from server.library.replay_sessions import Playbacks
+from server.library.replay_sessions import ReplaySessions
 from server.pages.scene_light import lightened
 from server.pages.scene_page import dressed
 from server.pages.scene_words import heard
@@ -39,7 +39,7 @@ ANSWER_TIMEOUT = 5.0
 """How long viser may take to answer [s]."""
 CAMERA_PERIOD = 1 / 30
 """Between two messages of one browser that are passed on [s]; of those between, the last counts."""
-AT_ONCE = 48
+MAX_VIEWERS = 48
 """Sockets of scenes that may be open; each has everything drawn for it."""
 TRY_AGAIN_LATER = 1013
 """WebSocket close code for a scene that is not there (yet)."""
@@ -164,8 +164,8 @@ async def light_playback_socket(browser: WebSocket, key: str) -> None:
 async def _pump(browser: WebSocket, doorway: Callable[[HTTPConnection], Path], *, light: bool = False) -> None:
     """Pumps frames both ways until either side ends; viser's subprotocol names its version and must pass."""
     through = traffic(browser)
-    if through.open >= AT_ONCE:
-        await browser.close(TRY_AGAIN_LATER, f"{AT_ONCE} scenes are being watched already")
+    if through.open >= MAX_VIEWERS:
+        await browser.close(TRY_AGAIN_LATER, f"{MAX_VIEWERS} scenes are being watched already")
         return
     through.open += 1
     try:
@@ -220,8 +220,8 @@ def _live_doorway(connection: HTTPConnection) -> Path:
 
 def _playback_doorway(connection: HTTPConnection, key: str) -> Path:
     """The socket of a recorded run's scene."""
-    playbacks: Playbacks | None = getattr(connection.app.state, "playbacks", None)
-    doorway = None if playbacks is None else playbacks.doorway(key)
+    replay_sessions: ReplaySessions | None = getattr(connection.app.state, "replay_sessions", None)
+    doorway = None if replay_sessions is None else replay_sessions.doorway(key)
     if doorway is None:
         raise HTTPException(404, "no recorded run is watched under that key")
     return doorway

@@ -96,7 +96,7 @@ class Aside:
         self._threads = ThreadPoolExecutor(ANSWERS_AT_ONCE + STREAMS_AT_ONCE, "becalm-aside")
         self._lock = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None
-        self._open: set[Stream] = set()
+        self._open: set[PieceStream] = set()
 
     @property
     def waiting(self) -> int:
@@ -126,7 +126,7 @@ class Aside:
         finally:
             self._answers.give_back()
 
-    async def stream(self, job: Callable[_P, Iterable[bytes]], /, *args: _P.args, **kwargs: _P.kwargs) -> Stream:
+    async def stream(self, job: Callable[_P, Iterable[bytes]], /, *args: _P.args, **kwargs: _P.kwargs) -> PieceStream:
         """What `job` gives, piece by piece as they are taken; it is done in a process of its own, until it is closed.
 
         Raises:
@@ -135,7 +135,7 @@ class Aside:
 
         """
         await self._streams.take()
-        stream = Stream(self, partial(job, *args, **kwargs))
+        stream = PieceStream(self, partial(job, *args, **kwargs))
         self._open.add(stream)
         try:
             await stream.begin()
@@ -144,7 +144,7 @@ class Aside:
             raise
         return stream
 
-    def ended(self, stream: Stream) -> None:
+    def ended(self, stream: PieceStream) -> None:
         """Its place is free."""
         if stream in self._open:
             self._open.remove(stream)
@@ -184,7 +184,7 @@ class Aside:
         pool.shutdown(wait=wait, cancel_futures=True)
 
 
-class Stream:
+class PieceStream:
     """A process that makes pieces, and the pipe that they come through: it holds few, so who takes none stops it."""
 
     def __init__(self, aside: Aside, work: Callable[[], Iterable[bytes]]) -> None:
@@ -207,7 +207,7 @@ class Stream:
         if refusal is not None:
             raise refusal
 
-    def __aiter__(self) -> Stream:
+    def __aiter__(self) -> PieceStream:
         return self
 
     async def __anext__(self) -> bytes:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import viser
 
-from server.scene.canvas import Canvas, Watch, as_tuple
+from server.scene.canvas import Canvas, ChangeDetector, as_tuple
 from server.scene.figures import base_place, closed_outline, dashed_line, raised, solid_line, tip_points
 from server.scene.machine import half_height
 from server.scene.palette import CAGE, FAINT
@@ -48,7 +48,7 @@ class CageDrawing:
         )
         self._fence: viser.LineSegmentsHandle | None = None
         self._state: CageState = "none"
-        self._watch = Watch(4e-4)
+        self._watch = ChangeDetector(4e-4)
         self._floor.visible = False
 
     def show(self, snapshot: Snapshot) -> None:

@@ -89,7 +89,7 @@ class Moving:
             self.handle.wxyz = (math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
 
 
-class Watch:
+class ChangeDetector:
     """Whether numbers have changed by more than a tolerance since they were last let through."""
 
     def __init__(self, tolerance: float) -> None:

@@ -17,7 +17,7 @@ from server.scene.arrows import (
     point_arrows,
 )
 from server.scene.bodies import link_name
-from server.scene.canvas import Canvas, Moving, Watch, as_tuple
+from server.scene.canvas import Canvas, ChangeDetector, Moving, as_tuple
 from server.scene.figures import arc_points, manipulability_ellipse, raised, solid_line, tip_points
 from server.scene.machine import half_height, work_height
 from server.scene.palette import ARMS, FORCE_ARROW, MOMENTUM_ARROW, SPIN, veil
@@ -42,7 +42,7 @@ class ForcesDrawing:
         canvas.group("forces", "/forces")
         self._arrows = add_arrows(canvas, "/forces/tips", FORCE_ARROW)
         add_legend(canvas, "forces", FORCE_LEGEND, FORCE_ARROW)
-        self._watch = Watch(5e-4)
+        self._watch = ChangeDetector(5e-4)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draws an arrow at each tip that is pressed."""
@@ -73,7 +73,7 @@ class MotionDrawing:
         add_legend(canvas, "momentum", MOMENTUM_LEGEND, MOMENTUM_ARROW)
         canvas.group("momentum", "/target/spin", half_height(side) + 0.002)
         self._arc = canvas.scene.add_line_segments("/target/spin/arc", self._arc_lines(0.1), SPIN, thickness=0.0042)
-        self._momentum, self._spin = Watch(2e-4), Watch(4e-3)
+        self._momentum, self._spin = ChangeDetector(2e-4), ChangeDetector(4e-3)
 
     def show(self, snapshot: Snapshot) -> None:
         """Moves the arrow with the target and reshapes both when the motion has changed."""
@@ -116,7 +116,7 @@ class EllipsesDrawing:
             canvas.parts(f"{name}/disc", [(prism(circle(1.0), -1e-4, 0.0), veil(colour, 0.10))], shadow=False)
             for name, colour in zip(names, ARMS, strict=True)
         ]
-        self._watches = [Watch(4e-3), Watch(4e-3)]
+        self._watches = [ChangeDetector(4e-3), ChangeDetector(4e-3)]
 
     def _group(self, canvas: Canvas, arm: int) -> Moving:
         group = canvas.group("manipulability", f"{link_name(arm, 2)}/ellipse", 0.026)

@@ -44,7 +44,7 @@ class _Flying(NamedTuple):
     """None until its table is open."""
 
 
-class Estimate(NamedTuple):
+class DurationEstimate(NamedTuple):
     """How long a study would take, if it were started now."""
 
     seconds: float | None
@@ -186,20 +186,20 @@ class StudyQueue:
             return flying.flight.progress
         return Progress(done=record.done, total=record.cells, wall_time=record.wall_time)
 
-    def estimate(self, study: Study) -> Estimate:
+    def estimate(self, study: Study) -> DurationEstimate:
         """How long that study would take now; answered at once, also while that is being measured."""
         flying = self._flying
         before = len(self._waiting) + (flying is not None)
         pace = flying.flight.progress.cells_per_second if flying is not None and flying.flight is not None else None
         if pace:
-            return Estimate(study.count / pace, False, "the pace of the study that flies now", 0.0, before)
+            return DurationEstimate(study.count / pace, False, "the pace of the study that flies now", 0.0, before)
         known = self._estimates.ask(study)
         if known is None:
-            return Estimate(None, True, f"{TRIAL_CELLS} of its cells, flown now", None, before)
+            return DurationEstimate(None, True, f"{TRIAL_CELLS} of its cells, flown now", None, before)
         if known.seconds is None:
-            return Estimate(None, False, known.words, known.age, before)
+            return DurationEstimate(None, False, known.words, known.age, before)
         basis = f"{min(TRIAL_CELLS, study.count)} of its cells, flown by {known.words}"
-        return Estimate(known.seconds * study.count, False, basis, known.age, before)
+        return DurationEstimate(known.seconds * study.count, False, basis, known.age, before)
 
     def _time_of(self, study: Study) -> float | None:
         """The same as soon as it is known [s]; None if that takes too long, cannot be measured, or somebody waits."""

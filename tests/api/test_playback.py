@@ -133,7 +133,7 @@ async def _opened(served, run) -> None:
 
 
 async def test_only_so_many_at_once(served, run, monkeypatch):
-    monkeypatch.setattr(replay_sessions, "AT_ONCE", 1)
+    monkeypatch.setattr(replay_sessions, "MAX_SESSIONS", 1)
     async with asyncio.timeout(PATIENCE):
         while True:
             async with _watching(served, run["id"]) as watcher:

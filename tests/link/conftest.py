@@ -72,7 +72,7 @@ def fly(robot: Robot, link: RobotLink) -> Iterator[Callable[[], Flight]]:
     flights: list[Flight] = []
 
     def end() -> None:
-        robot.suffer()
+        robot.inject_faults()
         if flights:
             flights.pop().end()
 

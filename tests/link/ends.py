@@ -232,7 +232,7 @@ class Robot:
     def status(self) -> dict[str, Any]:
         return dict(self.process.http.get("/status").raise_for_status().json())
 
-    def suffer(self, **faults: Any) -> None:
+    def inject_faults(self, **faults: Any) -> None:
         self.process.http.put("/faults", json=faults).raise_for_status()
 
     def hang(self, duration: float) -> None:

@@ -111,7 +111,7 @@ def test_a_network_that_is_too_slow_or_gone(robot, fly, faults, gaps):
     flight = fly()
     flight.capture()
     flight.notice_within(SHORT)
-    robot.suffer(**faults)
+    robot.inject_faults(**faults)
     _assert_in_time(_assert_held(robot, flight, r"no [a-z ]+ for \d+ ms"), SHORT, gaps())
     robot.suffer()
     robot.restart()  # what is still under way would come late into the next flight; and the next life is not delayed
@@ -145,7 +145,7 @@ def _session_of(mode):
 @keeping_up
 def test_some_loss_and_jitter_are_flown_through_and_shown(robot, link, fly):
     flight = fly()
-    robot.suffer(loss=0.2, jitter=0.004)
+    robot.inject_faults(loss=0.2, jitter=0.004)
     joints = link.streams[contract.JOINT_STATES.key]
 
     def shown():
@@ -179,7 +179,7 @@ def test_a_robot_that_restarts_is_taken_again_only_when_asked(robot, link, fly):
 )
 def test_a_sensor_that_freezes(robot, fly, sensor, words, gaps):
     flight = fly()
-    robot.suffer(sensor_freeze=sensor)
+    robot.inject_faults(sensor_freeze=sensor)
     flight.notice_within(SHORT)
     _assert_in_time(_assert_held(robot, flight, words), SHORT, gaps(), 1 / contract.MOTION_CAPTURE_RATE)
 
@@ -200,7 +200,7 @@ def test_one_message_that_comes_no_more_among_all_others(robot, fly, key, later,
     flight = fly()
     flight.capture()
     flight.notice_within(SHORT)
-    robot.suffer(mute=key)
+    robot.inject_faults(mute=key)
     name = key.replace("/", " ").replace("_", " ")
     message = _assert_held(robot, flight, f"no {name} for")
     _assert_in_time(message, SHORT + later, gaps(), 1 / contract.MOTION_CAPTURE_RATE)
@@ -226,7 +226,7 @@ def test_joints_that_do_not_follow(robot, fly, fault):
     robot.restart()
     flight = fly()
     flight.capture()
-    robot.suffer(**fault)
+    robot.inject_faults(**fault)
     message = _assert_held(robot, flight, "_joint_. does not follow")
     assert fault.get("joint_stuck", "joint") in message
 
@@ -269,11 +269,11 @@ def test_a_strangers_command_is_refused_and_logged(robot, link, fly, stranger):
     def refused() -> bool:
         stamp = link.streams[contract.JOINT_STATES.key].latest
         stranger.publish(contract.JOINT_COMMAND, wire.encode_command(wire.JointCommand(stamp, session, rate)))
-        stranger.publish(contract.OPEN, wire.encode_call(wire.Call(time.time_ns(), session)))
+        stranger.publish(contract.OPEN, wire.encode_call(wire.RobotCall(time.time_ns(), session)))
         return session in robot.status["last_refusal"]
 
     until(refused, "the robot refuses the stranger")
-    until(lambda: session in (link.stranger() or ""), "the console is told")
+    until(lambda: session in (link.last_refused_sender() or ""), "the console is told")
     assert session in robot.process.log
     flight.ticks(20)
     assert robot.status["session"] == link.session
@@ -286,7 +286,7 @@ def test_a_strangers_stop_stops(robot, fly, stranger):
     flight.capture()
 
     def stopped() -> bool:
-        stranger.publish(contract.STOP, wire.encode_call(wire.Call(time.time_ns(), "stranger.1")))
+        stranger.publish(contract.STOP, wire.encode_call(wire.RobotCall(time.time_ns(), "stranger.1")))
         return flight.lost.is_set()
 
     until(stopped, "the stranger stops the robot")
@@ -344,7 +344,7 @@ def test_nothing_that_a_stranger_sends_ends_either_end(robot, link, fly, strange
             if channel is not contract.STOP:
                 stranger.publish(channel, random_.randbytes(random_.randrange(200)))
     for session in ("\u00b2", f"{link.console}.\u00b2", f"{link.console}.99999"):
-        stranger.publish(contract.OPEN, wire.encode_call(wire.Call(time.time_ns(), session)))
+        stranger.publish(contract.OPEN, wire.encode_call(wire.RobotCall(time.time_ns(), session)))
     names = [f"joint_{number}" for number in range(300_000)]
     huge = wire.ros("sensor_msgs/msg/JointState", wire._header(0, link.session), names, *[np.zeros(0)] * 3)
     stranger.publish(contract.JOINT_COMMAND, wire.serialized(huge, "sensor_msgs/msg/JointState"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import becalm
-from becalm.client import _Place
+from becalm.client import _ServiceAddress
 
 PROXIES = ("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY", "http_proxy", "https_proxy", "all_proxy")
 
@@ -32,7 +32,7 @@ def proxied(monkeypatch, request):
     ],
 )
 def test_a_service_on_this_machine(address, here):
-    assert _Place(address, None).is_here is here
+    assert _ServiceAddress(address, None).is_here is here
 
 
 @pytest.mark.parametrize("proxied", ["http://127.0.0.1:9", "socks5://127.0.0.1:9", "rubbish"], indirect=True)

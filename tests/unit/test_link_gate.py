@@ -7,7 +7,7 @@ import pytest
 
 from server.link.contract import RobotMode
 from server.link.gate import RAMP_TIME, Gate, Limits
-from server.link.wire import Call, JointCommand
+from server.link.wire import JointCommand, RobotCall
 
 MS = 1_000_000
 START = 1_000_000 * MS
@@ -22,7 +22,7 @@ SESSION = f"console.1@{ROBOT}"
 @pytest.fixture
 def gate() -> Gate:
     gate = Gate(Limits(joint_rate=2.0, deadline=0.1), ROBOT)
-    assert gate.open(Call(START - MS, SESSION), START).granted
+    assert gate.open(RobotCall(START - MS, SESSION), START).granted
     return gate
 
 
@@ -53,7 +53,7 @@ def test_its_session_is_followed(gate):
     ],
 )
 def test_what_cannot_be_followed_is_refused_with_the_reason(gate, command, after, words):
-    gate.heartbeat(Call(2, SESSION), START + 99 * MS)
+    gate.heartbeat(RobotCall(2, SESSION), START + 99 * MS)
     verdict = gate.command(command, START + after * MS)
     assert not verdict.granted
     assert words in verdict.reason
@@ -74,7 +74,7 @@ def test_what_is_late_ramps_to_zero_within_the_deadline_and_says_so(gate, what):
     gate.command(_command(START, rate=np.full((2, 3), 2.0)), START)
     for now in range(START, START + 100 * MS, 5 * MS):
         if what == "commands":
-            gate.heartbeat(Call(now, SESSION), now)
+            gate.heartbeat(RobotCall(now, SESSION), now)
         else:
             gate.command(_command(now + 1, rate=np.full((2, 3), 2.0)), now)
         assert gate.rates(now, PERIOD).max() == 2.0
@@ -90,50 +90,50 @@ def test_what_is_late_ramps_to_zero_within_the_deadline_and_says_so(gate, what):
 def test_nothing_that_waited_while_the_link_was_broken_is_executed(gate):
     later = START + 500 * MS
     gate.check(later)
-    gate.heartbeat(Call(later, SESSION), later)
+    gate.heartbeat(RobotCall(later, SESSION), later)
     assert "no heartbeat for" in gate.command(_command(later), later).reason
     assert not gate.rates(later, PERIOD).any()
-    assert not gate.open(Call(later, SESSION), later).granted  # nor one for the session that was let go
-    assert "old" in gate.open(Call(START + 1, SECOND), later).reason  # nor an old one for a new session
-    assert gate.open(Call(later, SECOND), later).granted
+    assert not gate.open(RobotCall(later, SESSION), later).granted  # nor one for the session that was let go
+    assert "old" in gate.open(RobotCall(START + 1, SECOND), later).reason  # nor an old one for a new session
+    assert gate.open(RobotCall(later, SECOND), later).granted
     assert gate.command(_command(later + MS, SECOND), later + MS).granted
 
 
 def test_stop_is_anyones_and_ends_only_with_a_new_session(gate):
     gate.command(_command(START), START)
-    assert gate.stop(Call(9, "stranger.1"), START + MS).granted
+    assert gate.stop(RobotCall(9, "stranger.1"), START + MS).granted
     assert not gate.rates(START, PERIOD).any()
     assert "stopped" in gate.command(_command(START + MS), START + MS).reason
-    assert "before the STOP" in gate.open(Call(START + MS, SECOND), START + 2 * MS).reason
-    assert gate.open(Call(START + 2 * MS, SECOND), START + 2 * MS).granted
+    assert "before the STOP" in gate.open(RobotCall(START + MS, SECOND), START + 2 * MS).reason
+    assert gate.open(RobotCall(START + 2 * MS, SECOND), START + 2 * MS).granted
     assert gate.mode is RobotMode.FOLLOWING
     assert not gate.rates(START + 2 * MS, PERIOD).any()
 
 
 def test_a_stranger_takes_the_robot_only_when_its_holder_is_gone(gate):
-    assert f"held by {SESSION}" in gate.open(Call(START + MS, STRANGER), START + MS).reason
+    assert f"held by {SESSION}" in gate.open(RobotCall(START + MS, STRANGER), START + MS).reason
     gate.check(START + 200 * MS)
-    assert gate.open(Call(START + 200 * MS, STRANGER), START + 200 * MS).granted
+    assert gate.open(RobotCall(START + 200 * MS, STRANGER), START + 200 * MS).granted
 
 
 def test_a_request_for_another_robot_is_refused(gate):
     gate.check(START + 200 * MS)
     other = Gate(Limits(), "testbed.2a")
-    assert "this robot is testbed.2a" in other.open(Call(START, SESSION), START).reason
+    assert "this robot is testbed.2a" in other.open(RobotCall(START, SESSION), START).reason
     assert other.mode is RobotMode.WAITING
     assert "another session" in other.command(_command(START), START).reason
 
 
 def test_a_console_is_not_locked_out_by_whoever_uses_its_name(gate):
     imposter = f"console.99999@{ROBOT}"
-    assert gate.open(Call(START + MS, imposter), START + MS).granted  # without users anyone may say so
-    assert gate.open(Call(START + 2 * MS, SECOND), START + 2 * MS).granted
+    assert gate.open(RobotCall(START + MS, imposter), START + MS).granted  # without users anyone may say so
+    assert gate.open(RobotCall(START + 2 * MS, SECOND), START + 2 * MS).granted
     assert gate.session == SECOND
 
 
 def test_a_request_that_is_sent_again_changes_nothing(gate):
     gate.command(_command(START), START)
-    assert gate.open(Call(START, SESSION), START + MS).granted
+    assert gate.open(RobotCall(START, SESSION), START + MS).granted
     np.testing.assert_array_equal(gate.rates(START + MS, PERIOD), RATE)
 
 
@@ -141,7 +141,7 @@ def test_a_request_that_is_sent_again_changes_nothing(gate):
 def test_a_session_is_opened_by_what_is_of_now(gate, ahead):
     later = START + 500 * MS
     gate.check(later)
-    reason = gate.open(Call(later + ahead * MS, SECOND), later).reason
+    reason = gate.open(RobotCall(later + ahead * MS, SECOND), later).reason
     assert ("old" if ahead < 0 else "future") in reason
 
 
@@ -154,19 +154,19 @@ def test_a_session_is_opened_by_what_is_of_now(gate, ahead):
     ],
 )
 def test_what_is_no_session_is_refused(gate, session):
-    assert not gate.open(Call(START + MS, session), START + MS).granted
+    assert not gate.open(RobotCall(START + MS, session), START + MS).granted
     assert gate.session == SESSION
     assert len(gate.last_refusal) < 200
     assert gate.last_refusal.isprintable()
 
 
 def test_a_heartbeat_from_the_future_does_not_make_the_holders_look_old(gate):
-    gate.heartbeat(Call(7, SESSION), START)
-    gate.heartbeat(Call(7 + 3_600_000 * MS, SESSION), START + MS)
+    gate.heartbeat(RobotCall(7, SESSION), START)
+    gate.heartbeat(RobotCall(7 + 3_600_000 * MS, SESSION), START + MS)
     assert "jumped ahead" in gate.last_refusal
     for after in range(5, 150, 5):
         now = START + after * MS
-        gate.heartbeat(Call(7 + after * MS, SESSION), now)
+        gate.heartbeat(RobotCall(7 + after * MS, SESSION), now)
         gate.command(_command(now), now)
         gate.check(now)
     assert gate.mode is RobotMode.FOLLOWING
@@ -191,7 +191,7 @@ def test_a_stop_that_cannot_be_read_stops(gate):
 def test_wrists_are_tared_by_their_holder_at_rest(gate, stamp, session, rate, words):
     gate.command(_command(START, rate=np.full((2, 3), rate)), START)
     gate.rates(START, PERIOD)
-    reason = gate.refuse_tare(Call(stamp, session), START + MS)
+    reason = gate.refuse_tare(RobotCall(stamp, session), START + MS)
     assert words in reason
     assert bool(reason) == bool(words)
 

@@ -22,7 +22,7 @@ from server.link.perception import Perception
 from server.link.reception import Expectations, Reception
 from server.link.robot_emulator import OBEYED, RobotSettings, _Robot
 from server.link.session import Transport
-from server.link.wire import Call, Echo, JointCommand, JointSample, PlaneSample, Report
+from server.link.wire import Echo, JointCommand, JointSample, PlaneSample, RobotCall, StatusReport
 from sim.configurations import named_configuration
 
 CONFIG = named_configuration("testbed")
@@ -93,7 +93,7 @@ class Console:
             "right": (contract.WRENCHES[1], wire.encode_wrench(PlaneSample(stamp, "right_hand", np.zeros(3)))),
             "base": (contract.BASE_POSE, wire.encode_pose(PlaneSample(stamp, "world", np.zeros(3)))),
             "target": (contract.TARGET_POSE, wire.encode_pose(PlaneSample(stamp, "world", np.array([0.0, 0.35, 0.0])))),
-            "mode": (contract.MODE, wire.encode_report(Report(stamp, ROBOT, "robot", True, "waiting", {}))),
+            "mode": (contract.MODE, wire.encode_report(StatusReport(stamp, ROBOT, "robot", True, "waiting", {}))),
             "joints": (
                 contract.JOINT_STATES,
                 wire.encode_joints(JointSample(stamp, np.zeros((2, 3)), np.zeros((2, 3)), ROBOT)),
@@ -209,7 +209,7 @@ def test_a_stream_whose_stamp_stands_still_runs_late(console, stream):
                 "left": _wrench()(stamp),
                 "base": _pose(place=(0.0, 0.0, 0.0))(stamp),
                 "target": _pose()(stamp),
-                "mode": wire.encode_report(Report(stamp, ROBOT, "robot", True, "waiting", {})),
+                "mode": wire.encode_report(StatusReport(stamp, ROBOT, "robot", True, "waiting", {})),
                 "echo": wire.encode_echo(Echo(stamp, stamp - AHEAD - MS, f"{CONSOLE}.1", ROBOT)),
             }[name]
         return held[name]
@@ -251,10 +251,12 @@ def test_a_second_robot_grounds_both_and_nothing_of_it_is_believed(console):
     console.hear(contract.JOINT_STATES, joints(console.time.robot + MS))
     assert console.reception.joints is before
     assert f"two robots answer on the same keys, {ROBOT} and {OTHER}" in str(console.trouble)
-    mode = wire.encode_report(Report(console.time.robot, OTHER, "robot", True, "following", {"session": "x.1"}))
+    mode = wire.encode_report(StatusReport(console.time.robot, OTHER, "robot", True, "following", {"session": "x.1"}))
     console.hear(contract.MODE, mode)
     assert console.reception.reports.value("session") == ""
-    granted = Report(console.time.robot, OTHER, "session/open", True, "", {"session": f"{CONSOLE}.1", "stamp": "1"})
+    granted = StatusReport(
+        console.time.robot, OTHER, "session/open", True, "", {"session": f"{CONSOLE}.1", "stamp": "1"}
+    )
     console.hear(contract.ACKNOWLEDGEMENT, wire.encode_report(granted))
     assert console.acknowledged == []
     console.periods(250)
@@ -283,7 +285,9 @@ def test_an_answer_to_a_heartbeat_that_was_never_sent_does_not_set_the_clock(con
 def test_numbers_in_reports_are_numbers_or_nothing(console, stamp):
     values = {"session": f"{CONSOLE}.1", "stamp": stamp, "commands": stamp, "command_age_p50": stamp}
     for channel in (contract.ACKNOWLEDGEMENT, contract.MODE):
-        console.hear(channel, wire.encode_report(Report(console.time.robot, ROBOT, "stop", True, "waiting", values)))
+        console.hear(
+            channel, wire.encode_report(StatusReport(console.time.robot, ROBOT, "stop", True, "waiting", values))
+        )
     assert console.reception.reports.command_ages is None
 
 
@@ -404,7 +408,7 @@ def _tell(robot: _Robot, channel, payload: bytes) -> None:
 def _take(robot: _Robot, number: int) -> str:
     """Open a session and have a rate followed."""
     session, now = f"{CONSOLE}.{number}@{robot._identity}", robot._clock.now()
-    _tell(robot, contract.OPEN, wire.encode_call(Call(now, session)))
+    _tell(robot, contract.OPEN, wire.encode_call(RobotCall(now, session)))
     robot._take_all()
     return session
 
@@ -418,7 +422,7 @@ def test_a_robot_outlives_any_bytes_on_any_key_and_can_be_taken(robot):
             robot._take_all()
     for session in ("a.\u00b2", "", "\u0661.\u0661", f"a.{'9' * 190}"):
         for channel in (contract.OPEN, contract.TARE, contract.HEARTBEAT):
-            _tell(robot, channel, wire.encode_call(Call(robot._clock.now(), session)))
+            _tell(robot, channel, wire.encode_call(RobotCall(robot._clock.now(), session)))
             robot._take_all()
     assert robot._gate.refused > 100
     session = _take(robot, 1)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from server.link.contract import RobotMode
 from server.link.reports import RobotReports
 from server.link.streams import SILENCE
-from server.link.wire import Report
+from server.link.wire import StatusReport
 
 SECOND = 1_000_000_000
 
 
-def _report(stamp: int, session: str = "console.1", mode: str = "following") -> Report:
-    return Report(stamp, "testbed.1", "robot", True, mode, {"session": session})
+def _report(stamp: int, session: str = "console.1", mode: str = "following") -> StatusReport:
+    return StatusReport(stamp, "testbed.1", "robot", True, mode, {"session": session})
 
 
 def test_before_the_first_nothing_is_known():

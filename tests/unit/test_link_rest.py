@@ -15,10 +15,10 @@ class Emulator:
     """What the REST asks of one."""
 
     faults = Faults()
-    suffered: Faults | None = None
+    injected: Faults | None = None
 
-    def suffer(self, faults: Faults) -> None:
-        self.suffered = faults
+    def inject_faults(self, faults: Faults) -> None:
+        self.injected = faults
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ async def test_only_its_own_address_and_no_other_page_is_served(headers, status)
     async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:
         answer = await client.put("/faults", json={"delay": 0.5}, headers=headers)
     assert answer.status_code == status
-    assert (emulator.suffered is not None) == (status == 200)
+    assert (emulator.injected is not None) == (status == 200)
 
 
 @pytest.mark.parametrize("path", ["/faults", "/hang", "/restart"])
@@ -64,4 +64,4 @@ async def test_a_body_that_does_not_mean_one_thing_is_refused_in_words(path, bod
     async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:
         answer = await client.request("PUT" if path == "/faults" else "POST", path, content=body, headers=headers)
     assert (answer.status_code, answer.headers["content-type"]) == (status, "application/problem+json")
-    assert emulator.suffered is None
+    assert emulator.injected is None

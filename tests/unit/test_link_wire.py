@@ -32,12 +32,12 @@ MESSAGES = {
         wire.PlaneSample(STAMP, "world", np.array([0.5, -0.25, math.pi / 2])),
     ),
     "twist": (wire.encode_twist, wire.decode_twist, wire.PlaneSample(STAMP, "world", np.array([0.5, -0.25, 1.5]))),
-    "call": (wire.encode_call, wire.decode_call, wire.Call(STAMP, SESSION)),
+    "call": (wire.encode_call, wire.decode_call, wire.RobotCall(STAMP, SESSION)),
     "echo": (wire.encode_echo, wire.decode_echo, wire.Echo(STAMP, 17_250_000_000, SESSION, ROBOT)),
     "report": (
         wire.encode_report,
         wire.decode_report,
-        wire.Report(STAMP, ROBOT, "stop", False, "why not", {"session": SESSION, "stamp": "17"}),
+        wire.StatusReport(STAMP, ROBOT, "stop", False, "why not", {"session": SESSION, "stamp": "17"}),
     ),
 }
 GOLDEN = json.loads(Path(__file__).with_name("link_golden").joinpath("golden.json").read_text())

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from server.scene.canvas import ANGLE_TOLERANCE, LENGTH_TOLERANCE, Moving, Watch
+from server.scene.canvas import ANGLE_TOLERANCE, LENGTH_TOLERANCE, ChangeDetector, Moving
 
 
 class RecordingHandle:
@@ -48,7 +48,7 @@ def test_a_slow_drift_is_not_lost():
 
 
 def test_a_watch_lets_changes_through():
-    watch = Watch(0.1)
+    watch = ChangeDetector(0.1)
     assert watch.changed((1.0, 2.0))
     assert not watch.changed((1.05, 2.0))
     assert watch.changed((1.2, 2.0))

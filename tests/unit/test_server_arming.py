@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, Moment
+from server.mission.arming import ARMED_TIME, TO_BE_ARMED, ArmedOrder, ArmingContext
 from server.mission.inbox import Request, arguments_of
 from sim.errors import MissionRefused
 
-IDLE = Moment("run-1", "idle")
+IDLE = ArmingContext("run-1", "idle")
 CAPTURE = Request("capture", who="ana", arming="token")
 RESET = Request(
     "reset", who="ana", arguments=arguments_of("testbed", {"target": {"mass": 2.0, "side": 0.1}}), arming="token"
@@ -43,8 +43,8 @@ def test_arguments_are_part_of_it():
         (replace(CAPTURE, arming="tokem"), IDLE, 101.0, "no longer good"),
         (replace(CAPTURE, arming="tökén"), IDLE, 101.0, "no longer good"),
         (CAPTURE, IDLE, 100.0 + ARMED_TIME, "older than 6 s"),
-        (CAPTURE, Moment("run-1", "holding"), 101.0, "another phase"),
-        (CAPTURE, Moment("run-2", "idle"), 101.0, "no longer good"),
+        (CAPTURE, ArmingContext("run-1", "holding"), 101.0, "another phase"),
+        (CAPTURE, ArmingContext("run-2", "idle"), 101.0, "no longer good"),
         (replace(CAPTURE, who="ben"), IDLE, 101.0, "ana armed capture, not ben"),
         (replace(CAPTURE, command="cage"), IDLE, 101.0, "or not cage"),
     ],
@@ -69,7 +69,7 @@ def test_other_arguments_are_another_command(other):
 
 def test_a_phase_that_was_left_and_came_back_has_disarmed():
     order = armed()
-    order.watch(Moment("run-1", "stopped"), 100.1)
+    order.watch(ArmingContext("run-1", "stopped"), 100.1)
     order.watch(IDLE, 100.2)
     with pytest.raises(MissionRefused):
         order.redeem(CAPTURE, IDLE, 100.3)

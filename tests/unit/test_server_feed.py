@@ -7,17 +7,17 @@ import json
 
 import pytest
 
-from server.mission.feed import CAPACITY, WINDOW, Feed, Frame, Subscriber
+from server.mission.feed import CAPACITY, WINDOW, Feed, FeedMessage, Subscriber
 
 RATE = 60.0
 
 
-def _snapshot(tick: int, made_at: float | None = None) -> Frame:
-    return Frame("snapshot", str(tick), tick, tick / RATE if made_at is None else made_at)
+def _snapshot(tick: int, made_at: float | None = None) -> FeedMessage:
+    return FeedMessage("snapshot", str(tick), tick, tick / RATE if made_at is None else made_at)
 
 
-def _event(number: int) -> Frame:
-    return Frame("event", f"event {number}")
+def _event(number: int) -> FeedMessage:
+    return FeedMessage("event", f"event {number}")
 
 
 async def _drained(subscriber: Subscriber) -> list[str]:
@@ -68,7 +68,7 @@ async def test_events_keep_their_order_and_are_sent_at_any_rate():
 
 async def test_events_are_bounded_and_what_was_missed_is_told():
     subscriber = Subscriber(RATE)
-    subscriber.offer(Frame("reset", "reset"), 0.0)
+    subscriber.offer(FeedMessage("reset", "reset"), 0.0)
     for number in range(CAPACITY + 10):
         subscriber.offer(_event(number), 0.0)
     texts = await _drained(subscriber)
@@ -98,7 +98,7 @@ async def test_a_reset_forgets_what_was_not_acknowledged_and_what_waits_of_the_o
     for tick in range(1, WINDOW + 3):
         subscriber.offer(_snapshot(tick), tick / RATE)
         await _take_what_waits(subscriber)
-    subscriber.offer(Frame("reset", "reset"), 100.0)
+    subscriber.offer(FeedMessage("reset", "reset"), 100.0)
     subscriber.offer(_snapshot(0, made_at=100.0), 101.0)
     assert await _drained(subscriber) == ["reset", "0"]
 
