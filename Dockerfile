@@ -24,7 +24,7 @@ COPY web web
 RUN --mount=type=secret,id=ca --mount=type=secret,id=pip --mount=type=secret,id=npm \
     PIP_CONSTRAINT=/src/requirements.lock with-secrets /opt/pip/bin/pip wheel --quiet --no-deps --wheel-dir /wheels .
 
-# What Becalm needs, nine tenths of it all, in a layer of its own: no change of the sources sends it anew.
+# What Becalm needs, nine tenths of it all, in a layer of its own: no change of the sources sends it again.
 FROM tools AS dependencies
 COPY requirements.lock pyproject.toml /src/
 COPY deploy/container/requirements.py /usr/local/bin/
@@ -48,7 +48,7 @@ RUN /opt/pip/bin/pip --python /opt/python install --quiet --no-compile --no-deps
     && find /opt/becalm -exec touch --no-dereference --date=@1700000000 {} + \
     && /opt/python/bin/python -m compileall -q -j 0 /opt/becalm \
     && find /opt/becalm -exec touch --no-dereference --date=@1700000000 {} +
-# The simulation, compiled for the processor that builds; on another one the first start compiles it anew.
+# The simulation, compiled for the processor that builds; on another one the first start compiles it again.
 RUN NUMBA_CACHE_DIR=/opt/compiled /opt/python/bin/python -c "from sim.capture.mission import prepare; prepare()"
 
 FROM ${PYTHON_IMAGE}

@@ -57,7 +57,7 @@ compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; noth
 	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
 	$(BIN)/python -c "from server.library.replay_session import prepare_replay; prepare_replay()"
 
-client: .venv/dev.stamp ## write web/openapi.json anew from the service; the build makes the web's client from it
+client: .venv/dev.stamp ## write web/openapi.json from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py
 
 docs: .venv/dev.stamp ## build the documentation into site/, strictly
@@ -80,7 +80,7 @@ bench: compiled ## measure everything; takes a quarter of an hour, wants a quiet
 	-$(BIN)/python -m benchmarks.link --seeds 3 --idle 60
 	$(BIN)/python -m benchmarks.soak --minutes 5 $(ARGS)
 
-lock: .venv/bin/uv ## resolve requirements.lock anew
+lock: .venv/bin/uv ## resolve requirements.lock again
 	$(BIN)/uv pip compile --quiet --universal --all-extras --upgrade --python-version 3.11 \
 		--no-emit-index-url --no-header --no-annotate pyproject.toml --output-file $(LOCK)
 

@@ -1,4 +1,4 @@
-"""Every request that a client makes of the service, told once for the sync and the async client."""
+"""Every request that a client makes of the service, written once for the sync and the async client."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 class ServiceRefused(CaptureError):
-    """The service answered with an error; `status`, and `errors` with the fields that cannot be, say which."""
+    """The service answered with an error; `status`, and `errors` with the invalid fields, say which."""
 
     def __init__(self, status: int, body: bytes) -> None:
         try:
@@ -129,7 +129,7 @@ def mission() -> Call[MissionSnapshot]:
 
 
 def arm(command: str, *, configuration: str | None = None, changes: Mapping[str, Any] | None = None) -> Call[Arming]:
-    """Arm what moves a robot or takes it anew: its token is good once, for a few seconds, for exactly that request."""
+    """Arm what moves a robot or takes it again: its token is good once, for a few seconds, for exactly that request."""
     given = {"configuration": configuration, "changes": dict(changes or {})}
     return Call("POST", "mission/arming", _as(Arming), {"command": command, **given})
 
@@ -145,7 +145,7 @@ def command(
 ) -> Call[CommandAnswer]:
     """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
 
-    With a robot, what moves it or takes it anew brings the token of an `arm`ing; a simulation needs none.
+    With a robot, what moves it or takes it again brings the token of an `arm`ing; a simulation needs none.
     """
     fields = {"speed": speed, "ticks": ticks, "configuration": configuration, "changes": changes, "arming": arming}
     given = {key: value for key, value in fields.items() if value is not None}

@@ -310,7 +310,7 @@ def replay(*, run_id: str, as_json: bool) -> None:
     metavar="ADDRESS",
     help="Fly it on the Dask cluster of this scheduler instead, tcp://HOST:8786.",
 )
-@click.option("--force", is_flag=True, help="Begin anew where --out holds a table, or rows, already.")
+@click.option("--force", is_flag=True, help="Start over where --out holds a table, or rows, already.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Seed of the samples and of every cell.")
 @click.option("--yes", is_flag=True, help="Do not ask before more than 10 000 cells.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as one JSON document.")
@@ -338,7 +338,7 @@ def study(
     output = studying.output_file(out, table_format)
     chosen = studying.chosen_study(name_or_file, changes, seed)
     flown_by = studying.chosen_workers(workers, scheduler)
-    report = studying.fly(chosen, output, flown_by, confirmed=yes, anew=force)
+    report = studying.fly(chosen, output, flown_by, confirmed=yes, replace=force)
     if as_json:
         click.echo(json.dumps(studying.as_document(report)))
     else:
@@ -359,7 +359,7 @@ def study(
     type=click.IntRange(1, 10),
     default=1,
     show_default=True,
-    help="Fly only every so manieth damping and stiffness: 484 cells at 1, 36 at 5.",
+    help="Fly only every N-th damping and stiffness: 484 cells at 1, 36 at 5.",
 )
 @click.option("--ablations", "ablate", is_flag=True, help="Also fly one constant changed at a time (13 half studies).")
 @click.option("--json", "as_json", is_flag=True, help="Print every number as one JSON document.")

@@ -221,7 +221,7 @@ class Client:
     ) -> CommandAnswer:
         """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
 
-        A robot is moved or taken anew by no command that was not armed: `armed` says that it is meant, and arms it
+        A robot is moved or taken again by no command that was not armed: `armed` says that it is meant, and arms it
         first; without it the service refuses. In simulation it makes no difference.
         """
         arming = (
@@ -236,7 +236,7 @@ class Client:
     def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
         """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
 
-        What takes a robot anew has to be `armed`, as with `command`.
+        What takes a robot again has to be `armed`, as with `command`.
         """
         arming = self.arm("configure", changes=changes).token if armed else None
         return self.done(calls.change(changes, arming=arming))
@@ -363,7 +363,7 @@ class AsyncClient:
     ) -> CommandAnswer:
         """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
 
-        A robot is moved or taken anew by no command that was not armed: `armed` says that it is meant, and arms it
+        A robot is moved or taken again by no command that was not armed: `armed` says that it is meant, and arms it
         first; without it the service refuses. In simulation it makes no difference.
         """
         arming = (
@@ -378,7 +378,7 @@ class AsyncClient:
     async def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
         """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
 
-        What takes a robot anew has to be `armed`, as with `command`.
+        What takes a robot again has to be `armed`, as with `command`.
         """
         arming = (await self.arm("configure", changes=changes)).token if armed else None
         return await self.done(calls.change(changes, arming=arming))

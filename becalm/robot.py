@@ -64,7 +64,7 @@ def imperfections(settings: tuple[str, ...]) -> Imperfections:
     """The default imperfections with these changes, each NAME=VALUE; `none=true` begins with a perfect testbed.
 
     Raises:
-        ConfigError: a name or value that cannot be.
+        ConfigError: an invalid name or value.
 
     """
     changes = dict(text.partition("=")[::2] for text in settings)
@@ -77,7 +77,7 @@ def robot_settings(**chosen: Any) -> RobotSettings:
     """What an emulated robot is.
 
     Raises:
-        ConfigError: a value that cannot be.
+        ConfigError: an invalid value.
 
     """
     return _validated(RobotSettings, chosen, "--")

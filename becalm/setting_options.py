@@ -23,10 +23,10 @@ def setting_options(command: Any) -> Any:
 def _option(name: str, field: FieldInfo) -> Any:
     dashed = name.replace("_", "-")
     kinds = _alternatives(field.annotation)
-    told = f"{field.description}.{_default(field)}"
+    described = f"{field.description}.{_default(field)}"
     if bool in kinds:
-        return click.option(f"--{dashed}/--no-{dashed}", name, default=None, help=told)
-    return click.option(f"--{dashed}", name, metavar=_metavar(name, kinds), help=told)
+        return click.option(f"--{dashed}/--no-{dashed}", name, default=None, help=described)
+    return click.option(f"--{dashed}", name, metavar=_metavar(name, kinds), help=described)
 
 
 def _metavar(name: str, kinds: tuple[Any, ...]) -> str:

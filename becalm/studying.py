@@ -117,7 +117,7 @@ def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
     return cluster_workers(scheduler)
 
 
-def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, anew: bool) -> Report:
+def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, replace: bool) -> Report:
     """Fly the cells that are missing, write the table, and tell what came out; progress goes to standard error.
 
     Args:
@@ -125,7 +125,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, anew
         output: where its table goes.
         workers: what flies it.
         confirmed: more than `MANY_CELLS` cells are meant.
-        anew: a table that is there already, or a part of one, gives way.
+        replace: a table that is there already, or a part of one, gives way.
 
     Raises:
         ConfigError: there is a table already.
@@ -134,9 +134,9 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, anew
         click.ClickException: the person was asked, and declined.
 
     """
-    if output.path.exists() and not anew:
-        raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to begin anew")
-    with StudyTable(output.unfinished, study, anew=anew) as table:
+    if output.path.exists() and not replace:
+        raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to start over")
+    with StudyTable(output.unfinished, study, anew=replace) as table:
         click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
         prepare()
         resumed = len(table)

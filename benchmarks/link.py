@@ -98,7 +98,7 @@ class Pair:
         return dict(self.console.get("/api/v1/link").json())
 
     def capture(self, seed: int) -> dict[str, Any]:
-        """One capture with the robot begun anew."""
+        """One capture with the robot restarted."""
         self.robot.post("/restart", json={"pause": 0.2, "seed": seed}).raise_for_status()
         until(lambda: self.mission()["phase"] == "faulted", 5.0, "the console notices the restart")
         self.begin()

@@ -65,7 +65,7 @@ class VirtualLink:
         for _ in range(SETTLING):
             self._advance()
         self._sensors.tare()
-        self._perception.begin_anew()
+        self._perception.reset()
         while not self._perception.complete:
             self._advance()
 

@@ -97,7 +97,7 @@ def opened(port: int, path: str, subprotocol: str | None = None) -> socket.socke
 
 
 def flood(port: int, path: str, frames: bytes, until: float, subprotocol: str | None = None) -> None:
-    """Send frames as fast as they are taken, and throw away what comes; begin anew when let go."""
+    """Send frames as fast as they are taken, and throw away what comes; start over when let go."""
     while time.monotonic() < until:
         with contextlib.suppress(OSError), opened(port, path, subprotocol) as link:
             link.settimeout(0.2)

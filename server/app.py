@@ -167,7 +167,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
         for root in (services.store.root, services.studies.root):
-            with suppress(OSError):  # told by whoever needs it: the mission does not
+            with suppress(OSError):  # reported by whoever needs it: the mission does not
                 root.mkdir(parents=True, exist_ok=True)
         services.disk.look()
         services.recorder.start()

@@ -57,7 +57,7 @@ class StoredUnreadable(CaptureError):
     """Something stored cannot be read: damaged, of another version, or not permitted; it costs nothing else."""
 
     def __init__(
-        self, message: str, *, tip: str = "restore it from a backup, mend its permissions, or remove it"
+        self, message: str, *, tip: str = "restore it from a backup, fix its permissions, or remove it"
     ) -> None:
         super().__init__(message, tip=tip)
 

@@ -24,7 +24,7 @@ class PlantStatus(Published):
 
 
 class RobotData(Published):
-    """How old what the robot told is, when the snapshot is made."""
+    """Age of what the robot reported, when the snapshot is made."""
 
     silent_for: float | None = Field(description="Since its joints were last heard [s]; null before the first time")
     oldest: float | None = Field(description="Age of the stream that is needed and came longest ago [s]; null likewise")
@@ -74,7 +74,7 @@ class MissionSnapshot(Snapshot):
     )
     control: Control
     arming_needed: tuple[str, ...] = Field(
-        description="Commands that take an arming: with a robot all that move it or take it anew; `configure` only for "
+        description="Commands that need arming: with a robot all that move it or take it again; `configure` only for "
         "parameters that take a new mission"
     )
     armed: Armed | None = Field(description="The command that is armed now; null if none is")

@@ -29,7 +29,7 @@ SETTINGS_FILE = "BECALM_SETTINGS"
 """The variable that names a settings file."""
 
 ROBOT_CONFIGURATION = "testbed"
-"""What a mission with a robot opens with, unless told otherwise."""
+"""What a mission with a robot opens with, unless another is chosen."""
 
 LogLevel = Literal["debug", "info", "warning", "error"]
 
@@ -208,7 +208,7 @@ def choose(environment: Mapping[str, str], file: Path | None = None, **flags: An
         flags: by the name of the setting; `changes` add to those of the file.
 
     Raises:
-        ConfigError: a value that cannot be; the message names the setting, where it stands and what would be right.
+        ConfigError: an invalid value; the message names the setting, where it stands and what would be right.
 
     """
     values: dict[str, Any] = {}

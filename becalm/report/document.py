@@ -95,20 +95,20 @@ def _instants(flown: Flown, count: int) -> list[Frame]:
     end = float(ticks["time"][-1])
     force = np.hypot(ticks["hand_wrench"][:, :, 0], ticks["hand_wrench"][:, :, 1]).max(axis=1)
     closing = np.flatnonzero(ticks["activity"] == Activity.CLOSING)
-    told = [(end, _ending(outcome.at_locked_arms))]
+    moments = [(end, _ending(outcome.at_locked_arms))]
     if force.max() > 0.0:
-        told.append((float(ticks["time"][int(np.argmax(force))]), f"largest force, {force.max():.2f} N"))
+        moments.append((float(ticks["time"][int(np.argmax(force))]), f"largest force, {force.max():.2f} N"))
     if outcome.contacts:
-        told.append((outcome.contacts[0].start, f"{outcome.contacts[0].arm} hand touches"))
+        moments.append((outcome.contacts[0].start, f"{outcome.contacts[0].arm} hand touches"))
     if outcome.closed_at is not None:
-        told.append((outcome.closed_at, "first closed instant"))
+        moments.append((outcome.closed_at, "first closed instant"))
     if len(closing) and not flown.direct:
-        told.append((float(ticks["time"][closing[0]]), "the closing is planned"))
-    told.append((0.0, "start"))
-    told += [(touch.end, "the touch ends") for touch in outcome.contacts[:1] if touch.end is not None]
-    told += [(touch.start, f"{touch.arm} hand touches") for touch in outcome.contacts[1:]]
+        moments.append((float(ticks["time"][closing[0]]), "the closing is planned"))
+    moments.append((0.0, "start"))
+    moments += [(touch.end, "the touch ends") for touch in outcome.contacts[:1] if touch.end is not None]
+    moments += [(touch.start, f"{touch.arm} hand touches") for touch in outcome.contacts[1:]]
     kept: list[Frame] = []
-    for time, caption in told:
+    for time, caption in moments:
         if len(kept) < count and all(abs(time - frame.time) > _APART for frame in kept):
             kept.append(Frame(time, caption))
     return sorted(kept)

@@ -1,4 +1,4 @@
-"""How many tokens that are none an address has shown: a few are slips, more is somebody who tries.
+"""How many invalid tokens an address has shown: a few are slips, more is somebody who tries.
 
 The same one again is no further try: a page whose token was revoked goes on asking with it.
 """

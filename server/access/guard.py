@@ -115,7 +115,7 @@ class Guard:
         return _Admitted(holder, secret), None
 
     def _unknown(self, scope: Scope, method: str, path: str, secrets: tuple[str, ...]) -> Refusal:
-        """STOP is told why it is not obeyed, however often it is pressed: it neither counts nor is slowed down."""
+        """STOP is answered with why it is not obeyed, however often it is pressed; it is neither counted nor slowed."""
         return _NOT_A_TOKEN if (method, path) == STOP else unknown_token(self._access, scope, secrets[0])
 
     def _holds(self, secret: str, method: str, path: str) -> bool:
@@ -178,8 +178,8 @@ def unknown_token(access: Access, scope: Scope, secret: str) -> Refusal:
     if wait is None:
         return _NOT_A_TOKEN
     seconds = str(max(1, round(wait)))
-    detail = f"too many tokens that are none from this address; try again in {seconds} s"
-    return Refusal(429, "Too many attempts", detail, "one that holds is still let in", {"Retry-After": seconds})
+    detail = f"too many invalid tokens from this address; try again in {seconds} s"
+    return Refusal(429, "Too many attempts", detail, "a valid token is still accepted", {"Retry-After": seconds})
 
 
 _NOT_A_TOKEN = Refusal(

@@ -13,7 +13,7 @@ LOOK_PERIOD = 1.0
 """Wall time between two looks whether a token still holds [s]."""
 
 CLOSING_TIME = 0.5
-"""How long a client may take to be told that it is over [s]."""
+"""How long a client may take to hear that it is over [s]."""
 
 NOT_SIGNED_IN = 4401
 """Close code of a WebSocket whose token was revoked or has expired."""

@@ -202,7 +202,7 @@ class TokenStore:
 
     def _keep_what_held(self, why: str, stamp: _Stamp | None) -> None:
         """Go on with the tokens that were last read; said once in the log."""
-        tip = "restore it from a backup, or remove it, create tokens anew and start the service again"
+        tip = "restore it from a backup, or remove it, create new tokens and start the service again"
         damage = ConfigError(f"the tokens of {self._path.parent} cannot be read: {why}", tip=tip)
         if str(damage) != str(self._damage):
             log.error("%s; the %d tokens that were last read go on holding", damage, len(self._by_digest))

@@ -23,7 +23,7 @@ from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
 
 ATTEMPTS = 5
-"""How often a change is checked anew because others changed parameters meanwhile."""
+"""How often a change is checked again because others changed parameters meanwhile."""
 
 _one_thread = ThreadPoolExecutor(1, "becalm-parameters")
 """Checks one change at a time: more would only take Python from one another, and from all else."""
@@ -108,7 +108,10 @@ async def change_config(
     ],
     becalm_arming: Annotated[
         str | None,
-        Header(max_length=100, description="Token of `POST /mission/arming`; changes that take a robot anew need one"),
+        Header(
+            max_length=100,
+            description="Token of `POST /mission/arming`; changes that take the robot again need one",
+        ),
     ] = None,
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""

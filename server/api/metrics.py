@@ -126,7 +126,7 @@ def _clock(pace: Pace) -> Iterator[Metric]:
         buckets.append((bound, float(total)))
     text = "How late the oldest tick of a turn was"
     yield HistogramMetricFamily("becalm_tick_lateness_seconds", text, buckets, pace.lateness_sum)
-    yield CounterMetricFamily("becalm_clock_slips", "Times that the schedule was given up and begun anew", pace.slips)
+    yield CounterMetricFamily("becalm_clock_slips", "Times that the schedule was given up and restarted", pace.slips)
 
 
 def _mission(snapshot: MissionSnapshot) -> Iterator[Metric]:

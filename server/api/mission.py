@@ -69,7 +69,7 @@ class CommandRequest(BaseModel):
     run: ShortText | None = Field(
         None, description="With `fork`: a run of the library; the present mission if left out"
     )
-    tick: Integer | None = Field(None, ge=1, description="With `fork`: the first tick that is flown anew")
+    tick: Integer | None = Field(None, ge=1, description="With `fork`: the first tick that is flown again")
     arming: str | None = Field(
         None, max_length=100, description="Token of `POST /mission/arming`; a robot is moved by no command without one"
     )
@@ -89,7 +89,7 @@ class CommandRequest(BaseModel):
                 value = getattr(self, field)
                 raise ValueError(f"{field} = {value}: it belongs to the command {command}, not to {self.command}")
         if self.command == "fork" and self.tick is None:
-            raise ValueError("tick = None: fork says from which tick on the mission is flown anew")
+            raise ValueError("tick = None: fork says from which tick on the mission is flown again")
         if self.speed is not None and 0 < self.speed < 0.1:
             raise ValueError(f"speed = {self.speed:g}: it is 0 (as fast as it goes) or 0.1 to 100")
         return self
@@ -170,7 +170,7 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
 
 @router.post("/arming", responses=responses(409, 422, 504))
 async def arm(services: ServicesDep, asker: AskerDep, body: ArmingRequest) -> Arming:
-    """Arm a command: with a robot, all that move it or take it anew are refused without the token that this gives."""
+    """Arm a command: with a robot, all that move it or take it again are refused without the token that this gives."""
     token = secrets.token_urlsafe(16)
     arguments = arguments_of(body.configuration, body.changes)
     request = Request("arm", who=asker, arms=body.command, arguments=arguments, arming=token)
@@ -209,8 +209,8 @@ def _forked(services: Services, run_id: str | None, tick: int) -> Fork:
 def _events_before(services: Services, run_id: str, tick: int) -> tuple[LoggedEvent, ...]:
     """What happened in that run before that tick; nothing of a run that was never put on disk."""
     try:
-        told = map(LoggedEvent.model_validate, services.store.read(run_id).events())
-        return tuple(event for event in told if event.tick < tick and event.takes_effect is None)
+        logged = map(LoggedEvent.model_validate, services.store.read(run_id).events())
+        return tuple(event for event in logged if event.tick < tick and event.takes_effect is None)
     except RunNotFound:
         return ()
 

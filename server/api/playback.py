@@ -77,7 +77,7 @@ async def playback(websocket: WebSocket, services: ServicesDep, run_id: RunId) -
 
 
 def _opened(key: str, opened: Opened) -> str:
-    told = {
+    message = {
         "type": "opened",
         "scene": f"/scene/playback/{key}/",
         "end": opened.end,
@@ -85,7 +85,7 @@ def _opened(key: str, opened: Opened) -> str:
         "cameras": list(CAMERAS),
         "layers": opened.layers,
     }
-    return json.dumps(told)
+    return json.dumps(message)
 
 
 def _refused(refusal: CaptureError) -> str:

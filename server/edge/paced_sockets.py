@@ -1,4 +1,4 @@
-"""WebSockets that are read no faster than the service can heed them, so that nobody who sends keeps others waiting.
+"""WebSockets that are read no faster than the service can handle them, so that nobody who sends keeps others waiting.
 
 uvicorn reads all that a connection has sent, as soon as it comes: a quarter of a megabyte at once, which are twenty
 thousand small messages, in one go of the event loop. Here a connection is read in small pieces, with the others' turns
@@ -77,7 +77,7 @@ class PacedSocket(WebSocketsSansIOProtocol):
         super().connection_made(cast("asyncio.Transport", _Held(self._wire, self)))
 
     def data_received(self, data: bytes) -> None:
-        """Take what has come, but heed it piece by piece."""
+        """Take what has come, but handle it piece by piece."""
         self._unread += data
         self.read_on()
 

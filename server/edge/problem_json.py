@@ -100,7 +100,7 @@ log = logging.getLogger(__name__)
 
 
 class Finding(BaseModel):
-    """One value that cannot be."""
+    """One invalid value."""
 
     field: str = Field(examples=["target.mass"])
     value: Any = Field(None, examples=[-1.0])
@@ -116,7 +116,7 @@ class ProblemDocument(BaseModel):
     instance: str | None = Field(None, description="Of 500: under which the service's log tells more")
     detail: str = Field(examples=["release is refused in phase idle: nothing is under way yet"])
     tip: str = Field("", description="What a person can do about it")
-    errors: list[Finding] | None = Field(None, description="Of 422: each value that cannot be")
+    errors: list[Finding] | None = Field(None, description="Of 422: each invalid value")
     cells: int | None = Field(None, description="Of a study to be confirmed: how many cells it has")
     estimated_time: float | None = Field(None, description="Of a study to be confirmed: wall time it takes [s]")
 

@@ -57,7 +57,7 @@ def _mcap(reader: RunReader) -> Iterator[bytes]:
 
 
 def _mcap_of(reader: RunReader, span: Span) -> Iterator[bytes]:
-    """A log of a part, written anew."""
+    """A log of a part, written again."""
     sink, record = Sink(), reader.record
     writer = LogWriter(sink, record.started, record.config, reader.layout().schema)
     writer.describe(record, record.config)

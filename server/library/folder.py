@@ -453,7 +453,7 @@ class RunReader:
 
     @property
     def remarks(self) -> Remarks:
-        """What people added; nothing, as far as can be told, if that cannot be read."""
+        """What people added; nothing, as far as is known, if that cannot be read."""
         try:
             return read_remarks(self._folder)
         except StoredUnreadable:

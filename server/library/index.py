@@ -1,7 +1,7 @@
 """The index of the library: what runs are found and ordered by, in one SQLite file beside their folders.
 
 The folders are the truth. The index is brought up to date before every search, by the times at which records and
-remarks were last written; one of another schema, or a damaged one, is made anew from them. Nothing is lost with it.
+remarks were last written; one of another schema, or a damaged one, is rebuilt from them. Nothing is lost with it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ REST = 30.0
 """How long the file is left alone when it could not be had [s]."""
 
 SETTLING = 60.0
-"""Age from which on a folder without a record is told [s]."""
+"""Age from which on a folder without a record is reported [s]."""
 
 log = logging.getLogger(__name__)
 

@@ -42,7 +42,7 @@ class Preset(Published):
         """The whole of it.
 
         Raises:
-            ConfigError: it names what there is not, or what cannot be.
+            ConfigError: it names what does not exist, or what is invalid.
 
         """
         return revised(named_configuration(self.configuration), self.changes)
@@ -68,7 +68,7 @@ class _PresetFile(BaseModel):
 class PresetStore:
     """The presets of one data folder, in one file that is replaced as a whole; from any thread.
 
-    What cannot be read of it stays as it is for whoever can mend it, until it is replaced or removed by its name.
+    What cannot be read of it stays as it is for whoever can repair it, until it is replaced or removed by its name.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -90,7 +90,7 @@ class PresetStore:
 
         Raises:
             ConfigError: it cannot be flown; nothing is kept then.
-            StoredUnreadable: the file as a whole cannot be read, and is left for whoever can mend it.
+            StoredUnreadable: the file as a whole cannot be read, and is left for whoever can repair it.
 
         """
         preset.config()

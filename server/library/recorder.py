@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 
 class Recorder:
-    """Writes one run after another. Its calls return at once; a failing disk is told by `failure`."""
+    """Writes one run after another. Its calls return at once; a failing disk shows in `failure`."""
 
     def __init__(self, store: RunStore) -> None:
         self._store = store

@@ -60,7 +60,7 @@ def _is_kept(reader: RunReader) -> bool:
 def remove_expired(
     store: RunStore, keep_days: float | None, keep_gigabytes: float | None, note: Callable[[Expired], None]
 ) -> None:
-    """Remove the runs that the settings let go of, now; `note` is told of each."""
+    """Remove the runs that the settings let go of, now; `note` is called with each."""
     for each in expired(store.newest(), keep_days, keep_gigabytes, datetime.now(UTC)):
         try:
             with store.remarks_lock:  # nobody stars it between the look and the end

@@ -155,7 +155,7 @@ class RunStore:
 
         Raises:
             RunNotFound: there is none with that identifier.
-            StoredUnreadable: those that are there cannot be read, and are left for whoever can mend them.
+            StoredUnreadable: those that are there cannot be read, and are left for whoever can repair them.
 
         """
         folder = self._folder(run_id)
@@ -246,6 +246,6 @@ def _repaired(folder: Path, record: RunRecord) -> RunRecord:
         if reader.has_log:
             repair_log(reader.log_path)
         write_record(folder, recovered)
-    except OSError as error:  # a full disk, for one: it is told as it is, and repaired at a later look
+    except OSError as error:  # a full disk, for one: it is reported as it is, and repaired at a later look
         log.warning("run %s is recovered in memory only: %s", record.id, error)
     return recovered

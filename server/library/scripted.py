@@ -43,7 +43,7 @@ def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None]
     Args:
         store: where the run stands.
         record: of the run.
-        on_progress: told the mission time reached [s].
+        on_progress: called with the mission time reached [s].
 
     Returns:
         The run's record: finished, failed with a note, or cancelled.

@@ -2,7 +2,7 @@
 
     format 1    ticks.bin instead of log.mcap: raw records, whose layout stands in run.json, which names no format
 
-The record is replaced last. A crash on the way leaves the old run, and the next look begins anew.
+The record is replaced last. A crash on the way leaves the old run, and the next look starts over.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _elements(stored: np.dtype[Any]) -> list[_Elements]:
 
 
 def _rewritten(folder: Path, record: RunRecord, stored: np.dtype[Any]) -> RunRecord:
-    """The record of a log that has been written anew beside the old one, and read back."""
+    """The record of a log that has been rewritten beside the old one, and read back."""
     draft = folder / DRAFT_NAME
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir()
@@ -167,7 +167,7 @@ def _payloads(path: Path, stored: np.dtype[Any], layout: TickLayout) -> Iterator
 def _require_same(reader: RunReader, payloads: Iterator[TickArray]) -> None:
     """See that nothing is lost before the old file goes."""
     if _digest(payloads) != _digest(stored.payloads for stored in reader.stored_chunks()):
-        raise ValueError("what was written anew does not read as it was")
+        raise ValueError("the rewritten log does not read as the old one did")
 
 
 def _digest(chunks: Iterator[TickArray]) -> bytes:

@@ -26,7 +26,7 @@ AHEAD = 5_000_000
 TOLD_NAME = 80
 """Characters of a session in what the robot tells."""
 AGES_KEPT = 400
-"""Command ages that percentiles are told of: two seconds."""
+"""Command ages that percentiles are taken of: two seconds."""
 
 log = logging.getLogger(__name__)
 

@@ -163,9 +163,9 @@ class Perception:
         self._noise = noise or Noise()
         self._robot = robot_model(config.robot)
         self._target_mass, self._target_inertia = config.target.mass, config.target.inertia
-        self.begin_anew()
+        self.reset()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget all that was seen."""
         self.base, self.target = BodyEstimate(self._noise), BodyEstimate(self._noise)
         """The base's is that of its motion without the arms' part."""

@@ -28,11 +28,11 @@ from server.link.wire import Echo, JointSample, PlaneSample, StatusReport, WireE
 from sim.compiled import FloatArray
 
 STEADY_SPAN = 1.0
-"""How long the robot must have been heard without a gap before a mission begins; what broke is told as long [s]."""
+"""How long the robot must have been heard without a gap before a mission begins; what broke is reported as long [s]."""
 GAP_PERIODS = 3
 """Periods of a stream within which it comes, if it is steady: motion capture misses some pictures."""
 MODE_DEADLINE = 2.0 / contract.MODE_RATE
-"""How much later than a stream the robot's mode may be: it is told less often, and of the lowest priority [s]."""
+"""How much later than a stream the robot's mode may be: it is sent less often, and has the lowest priority [s]."""
 PING_PERIOD = 0.05
 """Between two heartbeats of no session, which keep the clock's offset known while nothing is flown [s]."""
 
@@ -132,10 +132,10 @@ class Reception:
             if len(self._sent) > SENT_KEPT:
                 del self._sent[next(iter(self._sent))]
 
-    def begin_anew(self) -> None:
-        """Forget what was perceived, and judge the other clock anew; with `change` held."""
-        self.perception.begin_anew()
-        self.other_clock.begin_anew()
+    def reset(self) -> None:
+        """Forget what was perceived, and judge the other clock afresh; with `change` held."""
+        self.perception.reset()
+        self.other_clock.reset()
         self._joint_watch.forget()
 
     def settled(self, now: float) -> bool:
@@ -282,9 +282,9 @@ class Reception:
         before, latest = self.reports.value("last_refusal"), self.reports.latest
         if not self.reports.take(report, at) and latest is not None:
             return trust.order_fault(report.stamp, latest.stamp)
-        told = self.reports.value("last_refusal")
-        if told and told != before:
-            self._quiet.warning("last_refusal", f"the robot refused {told}", at)
+        refusal = self.reports.value("last_refusal")
+        if refusal and refusal != before:
+            self._quiet.warning("last_refusal", f"the robot refused {refusal}", at)
         return ""
 
     def _break(self, channel: Channel, reason: str, at: float) -> str:

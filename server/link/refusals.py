@@ -1,4 +1,4 @@
-"""What was refused, counted; and told to the log once a second at most, however often it comes."""
+"""What was refused, counted; and logged once a second at most, however often it comes."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import threading
 LOG_PERIOD = 1.0
 """Between two lines of one kind [s]."""
 MOST_KINDS = 64
-"""Kinds that are told apart; the oldest is forgotten."""
+"""Kinds that are distinguished; the oldest is forgotten."""
 
 
 class Quiet:
-    """Log lines of one kind once a second at most; how many were not told stands in the next one. For any thread."""
+    """Log lines of one kind once a second at most; how many were left out stands in the next one. For any thread."""
 
     def __init__(self, log: logging.Logger) -> None:
         self._log = log
@@ -20,15 +20,15 @@ class Quiet:
         self._lock = threading.Lock()
 
     def warning(self, kind: str, message: str, at: float) -> None:
-        """Tell it, unless this kind was told less than a second before that instant of `time.monotonic` [s]."""
+        """Log it, unless this kind was logged less than a second before that instant of `time.monotonic` [s]."""
         with self._lock:
-            told, untold = self._kinds.pop(kind, (-LOG_PERIOD, 0))
-            due = at - told >= LOG_PERIOD
+            logged, left_out = self._kinds.pop(kind, (-LOG_PERIOD, 0))
+            due = at - logged >= LOG_PERIOD
             if len(self._kinds) >= MOST_KINDS:
                 self._kinds.pop(next(iter(self._kinds)))
-            self._kinds[kind] = (at, 0) if due else (told, untold + 1)
+            self._kinds[kind] = (at, 0) if due else (logged, left_out + 1)
         if due:
-            self._log.warning("%s%s", message, f" ({untold} more since the last line)" if untold else "")
+            self._log.warning("%s%s", message, f" ({left_out} more since the last line)" if left_out else "")
 
 
 class Refusals:

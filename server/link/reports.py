@@ -1,4 +1,4 @@
-"""What the robot last told of itself, and whether it told it of the present session. Pure: no clock, no network.
+"""What the robot last reported of itself, and whether that was of the present session. Pure: no clock, no network.
 
 Reports are of low priority, so one may arrive after an acknowledgement that was sent after it. It then tells of the
 session before; only what the robot stamped after it granted a session says anything about that session.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from server.link.contract import RobotMode
-from server.link.streams import WorstOf, begins_anew
+from server.link.streams import WorstOf, clock_restarted
 from server.link.wire import StatusReport
 
 
@@ -27,7 +27,7 @@ class RobotReports:
     def take(self, report: StatusReport, at: float) -> bool:
         """Note a report that came at that instant; whether it is newer than all before."""
         latest = self.latest
-        if latest is not None and report.stamp <= latest.stamp and not begins_anew(at, self.at):
+        if latest is not None and report.stamp <= latest.stamp and not clock_restarted(at, self.at):
             return False
         followed = self.value("commands")
         self.latest, self.at = report, at
@@ -48,7 +48,7 @@ class RobotReports:
 
     @property
     def mode(self) -> RobotMode | None:
-        """The robot's, as last told; None before, and for a word that the contract does not know."""
+        """The robot's, as last reported; None before, and for a word that the contract does not know."""
         latest = self.latest
         return RobotMode(latest.message) if latest is not None and latest.message in list(RobotMode) else None
 
@@ -59,7 +59,7 @@ class RobotReports:
         return None if median is None or most is None else (median, most)
 
     def value(self, key: str) -> str:
-        """One of the values that it last told; empty if it did not."""
+        """One of the values that it last reported; empty if it did not."""
         return self.latest.values.get(key, "") if self.latest is not None else ""
 
 

@@ -148,7 +148,7 @@ class RobotLink:
         return self.streams[contract.JOINT_STATES.key].age(time.monotonic() if now is None else now)
 
     def open_session(self) -> str:
-        """Take the robot for a new session, and begin to perceive anew.
+        """Take the robot for a new session, and reset what is perceived.
 
         Raises:
             MissionRefused: the robot is not heard, speaks another contract, or somebody else holds it.
@@ -207,10 +207,10 @@ class RobotLink:
             joints = heard.joints
         return joints if joints is not None and joints.stamp > after else None
 
-    def perceive_anew(self) -> None:
+    def reset_perception(self) -> None:
         """Forget what was perceived: it was with wrists that had not been tared."""
         with self._change:
-            self.reception.perception.begin_anew()
+            self.reception.perception.reset()
 
     @property
     def perceives(self) -> bool:
@@ -255,7 +255,7 @@ class RobotLink:
                 tip="use the same version of Becalm at both ends",
             )
         with self._change:
-            self.reception.begin_anew()
+            self.reception.reset()
             self._change.wait_for(self._settled, SETTLING_TIME)
             settled = self._settled()
         trouble = self.trouble() or (None if settled else "it has not been heard without a gap for a second yet")

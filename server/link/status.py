@@ -20,7 +20,7 @@ from server.published import RobotData
 from sim.capture.snapshot import Published
 
 QUANTILES_OF = 10.0
-"""Round trips of the last seconds that quantiles are told of [s]."""
+"""Round trips of the last seconds that quantiles are taken of [s]."""
 
 
 class StreamStatus(Published):
@@ -61,7 +61,7 @@ class Quantiles(Published):
 
 
 class RobotReport(Published):
-    """What the robot last told of itself."""
+    """What the robot last reported of itself."""
 
     age: float = Field(description="Since it did [s]")
     mode: Literal["waiting", "following", "holding", "stopped"] | None = Field(
@@ -89,7 +89,7 @@ class LatencyPoint(Published):
 
     ago: float = Field(description="How long ago [s]")
     round_trip: float | None = Field(description="Of a heartbeat [s]")
-    command_age: float | None = Field(description="99 % quantile, as the robot told it then [s]")
+    command_age: float | None = Field(description="99 % quantile, as the robot reported it then [s]")
 
 
 class LinkStatus(Published):

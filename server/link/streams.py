@@ -14,7 +14,7 @@ WINDOW = 2.0
 KEPT = 1024
 """Arrivals that are kept at most."""
 SILENCE = 0.5
-"""A source that was silent for so long, and then stamps earlier than before, has begun its clock anew [s]."""
+"""A source that was silent for so long, and then stamps earlier than before, has restarted its clock [s]."""
 OFFSET_WINDOW = 30.0
 """The clock's offset is that of the quickest round trip of the last seconds [s]."""
 TRIPS_KEPT = 4096
@@ -22,11 +22,11 @@ TRIPS_KEPT = 4096
 CLOCKS_APART = 0.005
 """Two steady clocks run apart by less in half a minute [s]."""
 HISTORY_SPAN, HISTORY_STEP = 60.0, 0.2
-"""How far back the worst of a time is told, and how finely [s]."""
+"""How far back the worst of a time is kept, and how finely [s]."""
 
 
-def begins_anew(at: float, last: float) -> bool:
-    """Whether an earlier stamp that comes at this instant is of a clock begun anew, or was overtaken on its way.
+def clock_restarted(at: float, last: float) -> bool:
+    """Whether an earlier stamp that comes at this instant is of a restarted clock, or was overtaken on its way.
 
     Among newer ones it was overtaken, however old it is; after a silence it is the source's present.
     """
@@ -51,9 +51,9 @@ class Stream:
         self._changed_at = 0.0
 
     def arrive(self, stamp: int, value: FloatArray, at: float) -> bool:
-        """Note an arrival; whether it is newer than all before, or the source's clock has begun anew."""
+        """Note an arrival; whether it is newer than all before, or the source's clock has restarted."""
         if self._arrivals and stamp <= self._arrivals[-1].stamp:
-            if not begins_anew(at, self._arrivals[-1].at):
+            if not clock_restarted(at, self._arrivals[-1].at):
                 return False
             self._arrivals.clear()
         if self._arrivals:
@@ -156,7 +156,7 @@ class OtherClock:
         while self._quickest[0].at < at - OFFSET_WINDOW:
             self._quickest.popleft()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Judge the offset by what comes from now on: the other end may have another clock."""
         self._quickest.clear()
 

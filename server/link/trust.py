@@ -59,8 +59,8 @@ def frame_fault(frame: str, wanted: str) -> str:
     """Whether a reading is in another frame than it is taken for."""
     if frame == wanted:
         return ""
-    told = f"frame {printable(frame, 60)!r}" if frame else "header.frame_id is empty: in no frame"
-    return f"{told}, not in {wanted!r}"
+    described = f"frame {printable(frame, 60)!r}" if frame else "header.frame_id is empty: in no frame"
+    return f"{described}, not in {wanted!r}"
 
 
 def joints_fault(sample: JointSample, bounds: Bounds) -> str:

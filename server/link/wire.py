@@ -318,8 +318,8 @@ def _order(names: list[str]) -> list[int]:
         raise WireError(f"name has {len(names)} entries; at most {MOST_JOINTS} joints are read")
     for joint in JOINT_NAMES:
         if names.count(joint) != 1:
-            told = printable(", ".join(names), 120)
-            raise WireError(f"name = {told or 'nothing'}: it must hold {', '.join(JOINT_NAMES)}, each once")
+            shown = printable(", ".join(names), 120)
+            raise WireError(f"name = {shown or 'nothing'}: it must hold {', '.join(JOINT_NAMES)}, each once")
     return [names.index(joint) for joint in JOINT_NAMES]
 
 

@@ -27,9 +27,9 @@ from sim.record import Record
 LAG_LIMIT = 0.08
 """How far a joint may fall behind its commands [rad]."""
 JUMP = 0.05
-"""Farther than this beyond what it was told to move, a joint has jumped [rad]."""
+"""Farther than this beyond its commanded motion, a joint has jumped [rad]."""
 COMMANDS_UNDER_WAY = 4
-"""Commands of which any may be in force: a joint does as it is told if it moves between the least and the most."""
+"""Commands of which any may be in force: a joint follows if it moves between the least and the most."""
 BEGIN_TIME = 10.0
 """How long the robot is held for a mission that has not begun to fly it [s]."""
 LAG_TIME = 0.6
@@ -78,7 +78,7 @@ class ZenohPlant:
         self._angle = np.zeros((2, 3))
         joints = self._hold_still(lambda: link.reports.of_session is not None, "it granted a session")
         if self._tare_if_needed():
-            link.perceive_anew()
+            link.reset_perception()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
         link.tell(joints, self._state)
         self._lost = ""
@@ -100,7 +100,7 @@ class ZenohPlant:
         """Wait for the next joint state and perceive the rest.
 
         Raises:
-            LinkLost: it does not come, or tells what cannot be; the robot has been sent a STOP.
+            LinkLost: it does not come, or reports an impossible state; the robot has been sent a STOP.
 
         """
         link = self._link
@@ -111,7 +111,7 @@ class ZenohPlant:
         problem = self._problem(joints)
         if problem is not None or joints is None:
             link.stop()
-            raise LinkLost(problem or "the robot is silent", tip="mend the robot or its network, then reset")
+            raise LinkLost(problem or "the robot is silent", tip="fix the robot or its network, then reset")
         if self._first is None:
             self._first = joints.stamp
         self._state["tick"] += 1
@@ -179,7 +179,7 @@ class ZenohPlant:
         return None if report.message == RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
 
     def _lagging(self, joints: JointSample) -> str | None:
-        """Whether a joint does not do what it is told."""
+        """Whether a joint does not follow its commanded rate."""
         if self._stopping or not self._recent_commands:
             return None
         dt = 1e-9 * (joints.stamp - self._last)

@@ -74,7 +74,7 @@ class ArmedOrder:
         self.disarm()
         tip = how_to_arm(what)
         if not request.arming:
-            raise MissionRefused(f"{what} moves the robot or takes it anew, and has not been armed", tip=tip)
+            raise MissionRefused(f"{what} moves the robot or takes it again, and has not been armed", tip=tip)
         if held is None or not hmac.compare_digest(held.token.encode(), request.arming.encode()):
             raise MissionRefused(
                 f"the arming of {what} is no longer good: it was used, is older than {ARMED_TIME:g} s, "

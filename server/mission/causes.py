@@ -45,16 +45,14 @@ LINK_CAUSES = (
     _cause(
         "the robot is (waiting|holding|stopped)",
         "The robot stopped by itself",
-        f"mend what it names, then reset; {_STOPPED}",
+        f"fix what it names, then reset; {_STOPPED}",
     ),
     _cause(
         "did not acknowledge|was lost after",
         "The robot does not answer",
         f"see that it runs and that its network is well, then reset; {_STOPPED}",
     ),
-    _cause(
-        " refused: ", "A sensor cannot be trusted", f"mend what the message names ({_LOOK}), then reset; {_STOPPED}"
-    ),
+    _cause(" refused: ", "A sensor cannot be trusted", f"fix what the message names ({_LOOK}), then reset; {_STOPPED}"),
     _cause(
         "jumped",
         "A measurement jumped",
@@ -74,7 +72,7 @@ LINK_CAUSES = (
 )
 """Of a robot that cannot be flown; the first that fits holds."""
 
-LINK = _cause("", "The robot cannot be flown", f"mend what the message names ({_LOOK}), then reset; {_STOPPED}")
+LINK = _cause("", "The robot cannot be flown", f"fix what the message names ({_LOOK}), then reset; {_STOPPED}")
 """Of a robot whose fault is none of these."""
 
 PLANT_CAUSES = (

@@ -1,7 +1,7 @@
 """A mission flown again to a moment of its past, from where it can go on on a way of its own.
 
 To fly again is exact, and takes a second for a minute or so of mission time: it is done by the thread that asks,
-so that the mission thread goes on flying, and stops when it is told to.
+so that the mission thread goes on flying, and stops when asked to.
 """
 
 from __future__ import annotations

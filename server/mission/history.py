@@ -16,7 +16,7 @@ from server.library.plotted import ENCODED_COLUMNS, PLOTTED, TICK_PLACE, Values,
 
 CAPACITY = 750
 """Pieces at most; two neighbours become one when it is full. Their JSON, the first that a late reader is sent, stays
-under the mebibyte that WebSocket clients take of a message unless they are told otherwise."""
+under the mebibyte that WebSocket clients take of a message by default."""
 
 TICKS_AT_ONCE = 1000
 """Ticks that are taken in with one length of their pieces; far fewer than fill the room."""

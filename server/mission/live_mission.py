@@ -64,7 +64,7 @@ class LiveMission:
         """A mission with that configuration from its start, or the fork's or the robot's from where it stands.
 
         Raises:
-            ConfigError: the configuration cannot be.
+            ConfigError: the configuration is invalid.
 
         """
         self.fork = fork
@@ -222,7 +222,7 @@ class LiveMission:
         log.error("the mission failed at %.3f s", self.time, exc_info=error)
         self._failure = str(error) if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
         self._take_events()
-        if error is not self._mission.fault:  # else the mission has told of it
+        if error is not self._mission.fault:  # else the mission has reported it
             self._note(Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=self._failure))
         self.run.fail(self._failure)
 

@@ -267,7 +267,7 @@ class MissionLoop:
                 answer.set_exception(refusal)
                 continue
             except Exception as error:
-                # What asked is at fault, not the mission: it flies on, and who asked is told.
+                # What asked is at fault, not the mission: it flies on, and the asker gets the error.
                 log.exception("%s could not be carried out", request.command)
                 answer.set_exception(error)
                 continue

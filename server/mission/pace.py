@@ -19,7 +19,7 @@ CATCH_UP = 0.02
 """Wall time that one turn may catch up with [s]."""
 
 GIVE_UP = 0.5
-"""Lateness beyond which the schedule starts anew, and the clock counts as slipped [s]."""
+"""Lateness beyond which the schedule is restarted, and the clock counts as slipped [s]."""
 
 LATENESS_BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5)
 """Upper ends of the classes in which lateness is counted, but for the last, which has none [s]."""
@@ -48,7 +48,7 @@ class Pace:
         """Of all these turns [s]."""
 
     def anchor(self, now: float) -> None:
-        """Start the schedule anew: the next tick is due one period from now."""
+        """Restart the schedule: the next tick is due one period from now."""
         self._anchor_time = now
         self._ticks_since = 0
 

@@ -13,7 +13,7 @@ from server.process.disk import FAULT_TIP, DiskGuard
 from server.published import Problem
 
 LATE = 0.05
-"""Lateness that the operator is told of [s]."""
+"""Lateness that is shown to the operator [s]."""
 
 ERRORS = ("recorder", "data_folder")
 """Keys of the problems that are errors; the others are warnings."""
@@ -69,7 +69,7 @@ class ServiceProblems:
         _show(
             flying,
             "stop_unacknowledged",
-            "the robot has not acknowledged STOP; it is told again until it does" if stop_missing else None,
+            "the robot has not acknowledged STOP; it is sent again until it does" if stop_missing else None,
             "STOP is not acknowledged",
             "use the robot's own emergency stop",
         )

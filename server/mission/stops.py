@@ -66,10 +66,10 @@ class Stops:
             return ""
         after = self._link.await_stop(STOP_PATIENCE)
         if after is None:
-            return "; the robot has NOT acknowledged it yet, and is told again"
+            return "; the robot has NOT acknowledged it yet; STOP is sent again"
         return f"; acknowledged by the robot after {1e3 * after:.0f} ms"
 
 
 def _stopped_words(flying: LiveMission) -> str:
     faulted = flying.phase is Phase.FAULTED
-    return "the robot stays stopped; the fault is not mended" if faulted else "stopped: joint rates are zero"
+    return "the robot stays stopped; the fault is not fixed" if faulted else "stopped: joint rates are zero"

@@ -2,7 +2,7 @@
 
 Browsers share one viser server, so what makes a scene light is taken out of the frames on their way to the browsers
 that ask for it. A frame is two lengths, a zstd-compressed msgpack of messages, and raw arrays from the next multiple
-of eight on (`viser.infra`); only frames that hold a light or an environment map are written anew.
+of eight on (`viser.infra`); only frames that hold a light or an environment map are rewritten.
 """
 
 from __future__ import annotations

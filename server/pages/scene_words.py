@@ -2,7 +2,7 @@
 
 viser takes much more: it keeps some of it, and repeats it to every browser that comes later. The console uses none of
 that: what of a scene is drawn is chosen over REST. So a message is passed on only if it is a camera's, with numbers
-that a camera can have; it is written anew, so that nothing else comes along.
+that a camera can have; it is rewritten, so that nothing else comes along.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _ENCODER = msgspec.msgpack.Encoder()
 
 
 def heard(message: Any) -> bytes | None:
-    """A browser's message as viser is told it; None if it is not."""
+    """A browser's message as it is passed to viser; None if it is not."""
     if not isinstance(message, bytes) or len(message) > LARGEST:
         return None
     try:

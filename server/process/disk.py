@@ -19,7 +19,7 @@ GIGABYTE = 1e9
 log = logging.getLogger(__name__)
 
 
-FAULT_TIP = "bring the folder back, or mend who may write it; then reset, and the mission is recorded again"
+FAULT_TIP = "bring the folder back, or fix its permissions; then reset, and the mission is recorded again"
 
 
 def _fault(folder: Path) -> str | None:

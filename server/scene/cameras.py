@@ -21,7 +21,7 @@ ELEVATION, AZIMUTH = math.radians(50), math.radians(-14)
 FILL = 0.86
 """Share of the window that the machine may take."""
 WIDE = 900 / 420
-"""The window assumed before a browser has told its own: width over height."""
+"""The window assumed before a browser has reported its own: width over height."""
 
 
 class View(NamedTuple):

@@ -36,7 +36,7 @@ class TrailsDrawing:
         ]
 
     def show(self, snapshot: Snapshot) -> None:
-        """Lengthens the trails; a mission that began anew, or was rewound, begins them anew."""
+        """Lengthens the trails; a mission that began again, or was rewound, clears them."""
         if snapshot.tick < self._tick:
             for trail in self._trails:
                 trail.clear()

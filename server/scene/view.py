@@ -101,7 +101,7 @@ class Scene:
     def reconfigure(self, config: MissionConfig) -> None:
         """Draws this configuration from now on; layers and camera stay.
 
-        Cheap to call with every snapshot: nodes are made anew only if the geometry is another one.
+        Cheap to call with every snapshot: nodes are rebuilt only if the geometry has changed.
         """
         if config is self._config:
             return

@@ -81,7 +81,7 @@ def _in_time(scheduler: str, ask: Callable[[], _R]) -> _R:
     try:
         return answer.result(3 * CONNECTING_TIME)
     except TimeoutError:
-        tip = "see whether the scheduler and its workers still run, and start them anew"
+        tip = "see whether the scheduler and its workers still run, and restart them"
         raise WorkersUnavailable(f"the Dask cluster at {scheduler} has fallen silent", tip=tip) from None
 
 
@@ -161,7 +161,7 @@ def _connected(scheduler: str) -> Client:
 def _require_greeting(scheduler: str) -> None:
     """See that what listens there greets as a Dask scheduler does, which speaks first.
 
-    Dask's own client believes whatever length it is told: the first letters of a web server's answer are 10^18 bytes.
+    Dask's own client believes whatever length it reads: the first letters of a web server's answer are 10^18 bytes.
 
     Raises:
         OSError: nothing listens there, it says nothing in time, or it is something else.

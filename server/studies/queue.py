@@ -30,7 +30,7 @@ CAPACITY = 16
 """Studies that may wait."""
 
 ESTIMATE_PATIENCE = 20.0
-"""Whoever starts a very large study is told how long it takes, if that can be measured within this time [s]."""
+"""The time that a very large study takes is shown to who starts it, if it can be measured within this time [s]."""
 
 log = logging.getLogger(__name__)
 

@@ -143,7 +143,7 @@ class StudyStore:
                 try:
                     yield self.record(name)
                 except (StudyNotFound, StoredUnreadable):
-                    continue  # deleted since, or told by `unreadable`
+                    continue  # deleted since, or listed by `unreadable`
 
     def unreadable(self) -> dict[str, str]:
         """Why a folder holds no study that this version can read, by its name."""

@@ -70,7 +70,7 @@ def test_a_late_browser_gets_the_whole_scene_and_then_only_what_changes(scene):
         assert 0 < drained(browser, more_than=0) < 2_000
 
 
-def test_only_another_geometry_is_drawn_anew(scene):
+def test_only_another_geometry_is_drawn_again(scene):
     config = MissionConfig()
     with joined(scene.start()) as browser:
         drained(browser, more_than=WHOLE_SCENE)

@@ -127,7 +127,7 @@ def flies(client: becalm.Client) -> bool:
 
 
 def resets(client: becalm.Client) -> bool:
-    """Whether the mission begins anew; it is refused while the robot cannot be flown."""
+    """Whether the mission starts over; it is refused while the robot cannot be flown."""
     try:
         return client.command("reset", armed=True).phase == "idle"
     except ServiceRefused:

@@ -56,7 +56,7 @@ def test_nothing_is_fetched_but_by_the_lock():
         assert "--no-deps" in install or "--constraint /src/requirements.lock" in install
 
 
-def test_no_change_of_the_sources_sends_the_dependencies_anew():
+def test_no_change_of_the_sources_sends_the_dependencies_again():
     """Their layer comes before Becalm's, from stages that see nothing else of this tree."""
     layers = re.findall(r"^COPY --from=(\w+) (\S+)", _last_stage(), re.M)
     assert layers[:2] == [("dependencies", "/opt/python"), ("installed", "/opt/becalm")]

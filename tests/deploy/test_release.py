@@ -31,7 +31,7 @@ def _built(target: str, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Of this tree; a console that is up to date is not built anew."""
+    """Of this tree; a console that is up to date is not built again."""
     return _built("wheel", tmp_path_factory.mktemp("wheel"))
 
 

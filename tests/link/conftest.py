@@ -65,7 +65,7 @@ def link(robot: Robot, transport: Transport) -> Iterator[RobotLink]:
 def fly(robot: Robot, link: RobotLink) -> Iterator[Callable[[], Flight]]:
     """Takes the robot, without faults, for a new mission; the flight ends with the next one or the test.
 
-    The robot is begun anew for a test whose forerunners have brought the target to rest or out of reach.
+    The robot is restarted for a test whose forerunners have brought the target to rest or out of reach.
     """
     if not robot.may_be_captured():
         robot.restart()

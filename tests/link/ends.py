@@ -90,7 +90,7 @@ def require_real_time() -> None:
 
 def keeping_up(test: Callable[P, None]) -> Callable[P, None]:
     """Skip a test whose flight was ended because this machine stood still for longer than a deadline: that is noticed,
-    as it should be. It is not begun anew, and where the machine did not stand still it has failed."""
+    as it should be. It is not restarted, and where the machine did not stand still it has failed."""
 
     @functools.wraps(test)
     def watched(*args: P.args, **kwargs: P.kwargs) -> None:
@@ -108,7 +108,7 @@ def keeping_up(test: Callable[P, None]) -> Callable[P, None]:
 
 
 def _stalled(service: Any) -> bool:
-    """Whether the flight that was last under way was ended by lateness; the service's is begun anew."""
+    """Whether the flight that was last under way was ended by lateness; the service's is restarted."""
     if service is None:
         return Flight.latest is not None and bool(re.search(STALLED, str(Flight.latest.fault)))
     told = [problem["message"] for problem in service.get("/mission")["problems"]]

@@ -46,7 +46,7 @@ def _assert_held(robot, flight, words):
     assert flight.mission.phase is Phase.FAULTED
     with pytest.raises(type(flight.fault)):
         flight.mission.advance(1)
-    until(lambda: robot.status["mode"] in ("stopped", "waiting"), "the robot has stopped, or has begun anew")
+    until(lambda: robot.status["mode"] in ("stopped", "waiting"), "the robot has stopped, or has restarted")
     until(robot.at_rest, "the joints rest")
     commands = robot.status["commands"]
     assert robot.at_rest()

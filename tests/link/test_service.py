@@ -115,7 +115,7 @@ def _bodies(command: str) -> list[dict[str, Any]]:
 
 
 @keeping_up
-def test_nothing_moves_the_robot_or_takes_it_anew_on_one_request(robot, service):
+def test_nothing_moves_the_robot_or_takes_it_over_again_on_one_request(robot, service):
     """Every route that changes something, asked once without an arming, by who may ask anything."""
     session, commands = service.get("/link")["session"], service.get("/mission")["commands"]
     for command in commands:

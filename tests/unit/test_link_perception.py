@@ -184,7 +184,7 @@ def test_the_offset_is_that_of_the_quickest_round_trip():
     assert [trip.duration for trip in clock.trips(0.0)] == pytest.approx([5e-4, 2e-4, 1e-2])
 
 
-def test_what_was_overtaken_by_seconds_is_not_taken_for_a_clock_that_began_anew():
+def test_what_was_overtaken_by_seconds_is_not_taken_for_a_restarted_clock():
     stream = Stream(100.0)
     assert stream.arrive(9_000_000_000, np.zeros(3), 1.0)
     assert not stream.arrive(5_000_000_000, np.ones(3), 1.01)

@@ -263,7 +263,7 @@ def test_a_second_robot_grounds_both_and_nothing_of_it_is_believed(console):
     assert console.trouble is None
 
 
-def test_a_clock_that_jumps_is_told_and_known_anew(console):
+def test_a_clock_that_jumps_is_reported_and_known_again(console):
     console.time.now_ns += 5 * MS
     sent = console.time.now_ns - MS
     console.reception.sent(sent)

@@ -39,7 +39,7 @@ def test_only_what_was_told_after_a_session_was_granted_is_of_that_session():
     assert reports.of_session is reports.latest is not None
 
 
-def test_a_robot_whose_clock_has_begun_anew_is_heard():
+def test_a_robot_whose_clock_has_restarted_is_heard():
     reports = RobotReports()
     reports.take(_report(5 * SECOND), 10.0)
     assert reports.take(_report(1, "", "waiting"), 10.1 + SILENCE)

@@ -147,7 +147,7 @@ def test_bad_remarks_cost_the_star_and_notes_of_one_run(store, forbid, damage):
     assert name == SPOILED
     assert "star and notes cannot be read: remarks.json" in why
     assert store.read(SPOILED).remarks == Remarks()
-    with pytest.raises(StoredUnreadable):  # what may be mended is not written over
+    with pytest.raises(StoredUnreadable):  # what may be repaired is not written over
         store.remark(SPOILED, Remarks(notes=(Note(text="mine"),)))
     remove_expired(store, 1.0, None, lambda _: None)
     assert {path.name for path in store.root.iterdir() if path.is_dir()} == {SPOILED, OTHERS[0]}

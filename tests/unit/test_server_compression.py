@@ -83,7 +83,7 @@ async def test_a_browser_asks_again_for_pages_and_keeps_what_its_name_tells(http
         assert (again.status_code, again.content) == (304, b"")
 
 
-async def test_a_file_that_was_built_anew_is_sent_anew(http, tmp_path):
+async def test_a_file_that_was_rebuilt_is_sent_again(http, tmp_path):
     page = tmp_path / "index.html"
     assert b"new" not in (await http.get("/")).content
     page.write_bytes(b"<html>new" + TEXT)

@@ -49,7 +49,7 @@ def test_each_data_folder_has_its_own_and_keeps_it(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"../../x; a=b"])
-def test_a_damaged_name_is_made_anew(tmp_path, content):
+def test_a_damaged_name_is_rebuilt(tmp_path, content):
     (tmp_path / "service").write_bytes(content)
     made = SessionCookie(tmp_path).name
     assert made.removeprefix(NAME).isalnum()

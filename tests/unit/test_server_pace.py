@@ -41,7 +41,7 @@ def test_a_late_wake_up_is_caught_up_with_in_bounded_turns():
     assert flown == 100
 
 
-def test_a_hopeless_delay_starts_the_schedule_anew():
+def test_a_hopeless_delay_restarts_the_schedule():
     pace = Pace(PERIOD, 0.0)
     assert _fly(pace, 1.0 + GIVE_UP) == 1
     assert pace.slips == 1

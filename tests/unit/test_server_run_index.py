@@ -168,7 +168,7 @@ def test_what_another_version_could_not_read_is_looked_at_again(store, index):
     assert index.unreadable() == {}
 
 
-def test_damaged_it_is_made_anew(store, index):
+def test_damaged_it_is_rebuilt(store, index):
     run = kept(store)
     assert found(index) == [run]
     (store.root / FILE_NAME).write_bytes(b"no database at all" * 100)
@@ -188,7 +188,7 @@ def test_without_room_for_it_runs_are_found_all_the_same(store, index, monkeypat
     assert found(index) == [run]
 
 
-def test_a_damaged_record_is_told_until_it_is_mended(store, index):
+def test_a_damaged_record_is_told_until_it_is_repaired(store, index):
     run = kept(store)
     record = store.record(run)
     (store.root / run / "run.json").write_text("{")

@@ -65,7 +65,7 @@ def test_the_library_finds_it_and_the_next_look_changes_nothing(store, folder):
     assert (folder / "run.json").stat().st_mtime_ns == before
 
 
-def test_an_upgrade_that_was_cut_off_begins_anew(store, folder):
+def test_an_upgrade_that_was_cut_off_clock_restarted(store, folder):
     (folder / LOG_NAME).write_bytes(b"half of it")
     (folder / ".upgrade").mkdir()
     (folder / ".upgrade" / LOG_NAME).write_bytes(b"half")

@@ -85,7 +85,7 @@ export const sendCommand = (request: CommandRequest): Promise<CommandAnswer> =>
     }),
   );
 
-/** What moves a robot, or takes it anew, is refused without the token that this gives. */
+/** What moves a robot, or takes it over again, is refused without the token that this gives. */
 export const armCommand = (request: ArmingRequest): Promise<Arming> =>
   bodyOf(client.POST("/api/v1/mission/arming", { body: request, ...within(ANSWER_TIME) }));
 
