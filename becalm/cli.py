@@ -153,14 +153,14 @@ class _Commands(click.Group):
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # the reader of our output has gone; click ends quietly
-            raise click.ClickException(_told_of_a_file(error)) from None
+            raise click.ClickException(_file_error(error)) from None
 
 
 def _formatted(error: CaptureError) -> str:
     return f"{error}\nTip: {error.tip}" if error.tip else str(error)
 
 
-def _told_of_a_file(error: OSError) -> str:
+def _file_error(error: OSError) -> str:
     """What the system refused, with the name of the file where it has said one."""
     reason = error.strerror or str(error) or type(error).__name__
     return f"{error.filename}: {reason}" if error.filename is not None else reason

@@ -72,7 +72,7 @@ class VirtualLink:
     def observe(self) -> None:
         """One control period later, as perceived."""
         joints = self._advance()
-        self._perception.tell(joints, self.state)
+        self._perception.write_state(joints, self.state)
         self.state["tick"] += 1
         self.state["time"] = 1e-9 * self.state["tick"] * self._period
 

@@ -43,7 +43,7 @@ class Fault(NamedTuple):
     message: str
 
 
-class _Strange(NamedTuple):
+class _InvalidValue(NamedTuple):
     """Stands for a value that JSON's grammar or its numbers do not allow."""
 
     message: str
@@ -71,7 +71,7 @@ def fault_of_body(body: bytes) -> Fault | None:
         parsed = json.loads(
             body.decode("utf-8-sig"),
             object_pairs_hook=_object,
-            parse_constant=lambda name: _Strange(f"{name} is no number of JSON"),
+            parse_constant=lambda name: _InvalidValue(f"{name} is no number of JSON"),
             parse_float=_number,
             parse_int=_integer,
         )
@@ -107,7 +107,7 @@ def _fault_within(parsed: Any) -> Fault | None:
 
 
 def _value_fault(value: Any) -> str | None:
-    if isinstance(value, _Strange):
+    if isinstance(value, _InvalidValue):
         return value.message
     return _text_fault(value, LONGEST_TEXT) if isinstance(value, str) else None
 
@@ -138,7 +138,7 @@ def _encoded_fault(text: bytes) -> str | None:
     return _text_fault(decoded, LONGEST_IN_ADDRESS)
 
 
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any] | _Strange:
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any] | _InvalidValue:
     found = dict(pairs)
     if len(found) == len(pairs):
         return found
@@ -147,18 +147,18 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any] | _Strange:
         if name in seen:
             break
         seen.add(name)
-    return _Strange(f"{shortened(name)!r} is given twice")
+    return _InvalidValue(f"{shortened(name)!r} is given twice")
 
 
-def _number(text: str) -> float | _Strange:
+def _number(text: str) -> float | _InvalidValue:
     number = float(text)
-    return number if math.isfinite(number) else _Strange(f"{shortened(text, 40)} is beyond every number of the machine")
+    return number if math.isfinite(number) else _InvalidValue(f"{shortened(text, 40)} is beyond the range of numbers")
 
 
-def _integer(text: str) -> int | _Strange:
+def _integer(text: str) -> int | _InvalidValue:
     if len(text) <= len(str(LARGEST_INTEGER)) + 1 and abs(int(text)) <= LARGEST_INTEGER:
         return int(text)
-    return _Strange(f"{shortened(text, 40)} is beyond the integers that are taken, {LARGEST_INTEGER} at most")
+    return _InvalidValue(f"{shortened(text, 40)} is beyond the integers that are taken, {LARGEST_INTEGER} at most")
 
 
 def _dotted(path: tuple[Any, ...]) -> str:

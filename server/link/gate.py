@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from server.link.contract import DEADLINE, JOINT_NAMES, SESSION, RobotMode
-from server.link.refusals import Quiet
+from server.link.refusals import ThrottledLog
 from server.link.wire import JointCommand, RobotCall, printable
 from sim.compiled import FloatArray
 
@@ -61,7 +61,7 @@ class Gate:
         self.refused = 0
         self.last_refusal = ""
         self._deadline = round(1e9 * limits.deadline)
-        self._quiet = Quiet(log)
+        self._throttled_log = ThrottledLog(log)
         self._ages: deque[float] = deque(maxlen=AGES_KEPT)
         self._wanted = np.zeros((2, 3))
         self._given = np.zeros((2, 3))
@@ -96,7 +96,7 @@ class Gate:
         self.mode, self.why = RobotMode.STOPPED, f"STOP from {printable(session, TOLD_NAME) or 'unknown'}"
         self._stopped = now
         self._wanted[:] = self._given[:] = 0.0
-        self._quiet.warning("stop", self.why, 1e-9 * now)
+        self._throttled_log.warning("stop", self.why, 1e-9 * now)
         return Permission(True)
 
     def heartbeat(self, call: RobotCall, now: int) -> None:
@@ -217,5 +217,5 @@ class Gate:
         who = printable(session, TOLD_NAME) or "unknown"
         self.last_refusal = f"{who}: {reason}"
         kind = re.sub(r"[-+.\d]+", "#", reason)
-        self._quiet.warning(f"{who} {kind}", f"refused from {who}: {reason}", 1e-9 * now)
+        self._throttled_log.warning(f"{who} {kind}", f"refused from {who}: {reason}", 1e-9 * now)
         return Permission(False, reason)

@@ -202,7 +202,7 @@ class Perception:
         """Take a pose of the target, unless it is an outlier; why it is one."""
         return self.target.take(sample, touched=self._touched(sample))
 
-    def tell(self, joints: JointSample, state: Record) -> None:
+    def write_state(self, joints: JointSample, state: Record) -> None:
         """The state at that instant, into one element of `PLANT_STATE` but for `tick` and `time`."""
         state["target_pose"], state["target_twist"] = self.target.at(joints.stamp)
         state["base_pose"] = self._base_pose(joints.stamp)
@@ -210,8 +210,8 @@ class Perception:
         state["joint_angle"], state["joint_rate"] = joints.angle, joints.rate
         links = chain(self._robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
         for arm in range(2):
-            self._tell_contact(arm, links, state)
-        self._tell_momentum(links, state)
+            self._write_contact(arm, links, state)
+        self._write_momentum(links, state)
 
     def _base_pose(self, stamp: int) -> FloatArray:
         return self.base.at(stamp)[0] + self._drift.at(stamp)
@@ -220,7 +220,7 @@ class Perception:
         """Whether a contact may show in this picture."""
         return sample.stamp - self._last_contact < AFTER_CONTACT * 1e9
 
-    def _tell_contact(self, arm: int, links: Chain, state: Record) -> None:
+    def _write_contact(self, arm: int, links: Chain, state: Record) -> None:
         state["hand_wrench"][arm] = 0.0
         state["tip_force"][arm] = 0.0
         state["tip_contact"][arm] = 0
@@ -241,7 +241,7 @@ class Perception:
         errors = [abs(lever[0] * force[1] - lever[1] * force[0] - torque) for lever in levers]
         return int(errors[1] < errors[0])
 
-    def _tell_momentum(self, links: Chain, state: Record) -> None:
+    def _write_momentum(self, links: Chain, state: Record) -> None:
         base, target, twist = state["base_pose"], state["target_pose"], state["target_twist"]
         model = free_flying_model(self._robot, base, links)
         total = momentum(model.momentum_matrix, generalized_velocity(state))

@@ -20,7 +20,7 @@ from server.link.clock import Clock
 from server.link.contract import Channel
 from server.link.identity import Identity
 from server.link.perception import Perception
-from server.link.refusals import Quiet, Refusals
+from server.link.refusals import Refusals, ThrottledLog
 from server.link.reports import RobotReports
 from server.link.session import LinkSession
 from server.link.streams import OtherClock, Stream
@@ -92,7 +92,7 @@ class Reception:
         self._expected = expected
         self._clock = clock
         self._deadline = deadline
-        self._quiet = Quiet(log)
+        self._throttled_log = ThrottledLog(log)
         self._broken: dict[str, _Broken] = {}
         self._joint_watch = trust.JointWatch()
 
@@ -199,7 +199,7 @@ class Reception:
     def _refuse(self, channel: Channel, reason: str, at: float) -> None:
         self.refusals[channel.key].note(reason, at)
         kind = re.sub(r"[-+.\d]+", "#", reason)
-        self._quiet.warning(f"{channel.key} {kind}", f"{name_of(channel)} refused: {reason}", at)
+        self._throttled_log.warning(f"{channel.key} {kind}", f"{name_of(channel)} refused: {reason}", at)
 
     def _arrived(self, channel: Channel, stamp: int, value: FloatArray, at: float) -> str:
         """Note a reading that is of the present and newer than all before; why it is not, if so."""
@@ -284,7 +284,7 @@ class Reception:
             return trust.order_fault(report.stamp, latest.stamp)
         refusal = self.reports.value("last_refusal")
         if refusal and refusal != before:
-            self._quiet.warning("last_refusal", f"the robot refused {refusal}", at)
+            self._throttled_log.warning("last_refusal", f"the robot refused {refusal}", at)
         return ""
 
     def _break(self, channel: Channel, reason: str, at: float) -> str:

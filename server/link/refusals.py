@@ -11,7 +11,7 @@ MOST_KINDS = 64
 """Kinds that are distinguished; the oldest is forgotten."""
 
 
-class Quiet:
+class ThrottledLog:
     """Log lines of one kind once a second at most; how many were left out stands in the next one. For any thread."""
 
     def __init__(self, log: logging.Logger) -> None:

@@ -55,7 +55,7 @@ class RobotReports:
     @property
     def command_ages(self) -> tuple[float, float] | None:
         """Median and 99 % quantile [s] of the commands that the robot took last; None if it has not taken any."""
-        median, most = (decimal(self.value(f"command_age_{each}")) for each in ("p50", "p99"))
+        median, most = (parse_time(self.value(f"command_age_{each}")) for each in ("p50", "p99"))
         return None if median is None or most is None else (median, most)
 
     def value(self, key: str) -> str:
@@ -63,11 +63,11 @@ class RobotReports:
         return self.latest.values.get(key, "") if self.latest is not None else ""
 
 
-def whole(text: str) -> int | None:
+def parse_count(text: str) -> int | None:
     """A count or a stamp as a report tells it, at most 19 digits; None if it is none."""
     return int(text) if re.fullmatch(r"[0-9]{1,19}", text) else None
 
 
-def decimal(text: str) -> float | None:
+def parse_time(text: str) -> float | None:
     """A time [s] as a report tells it; None if it is none."""
     return float(text) if re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,12})?", text) else None

@@ -23,7 +23,7 @@ from server.link.contract import HAND_FRAMES, WORLD, Channel
 from server.link.identity import Identity
 from server.link.perception import Perception
 from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
-from server.link.reports import whole
+from server.link.reports import parse_count
 from server.link.session import LinkSession, Transport
 from server.link.wire import JointCommand, JointSample, RobotCall, StatusReport
 from server.process.realtime import realtime_priority
@@ -113,7 +113,7 @@ class RobotLink:
         importlib.import_module("scipy.stats")
         plant = simulated_plant(config)
         joints = JointSample(0, plant.state["joint_angle"], plant.state["joint_rate"])
-        Perception(config, 1.0).tell(joints, plant.state)
+        Perception(config, 1.0).write_state(joints, plant.state)
         mission = Mission(config, ScriptedPlant(np.array([plant.state, plant.state])))
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
@@ -218,10 +218,10 @@ class RobotLink:
         with self._change:
             return self.reception.perception.complete
 
-    def tell(self, joints: JointSample, state: Record) -> None:
+    def write_state(self, joints: JointSample, state: Record) -> None:
         """What is perceived at that joint state, into one element of `PLANT_STATE`."""
         with self._change:
-            self.reception.perception.tell(joints, state)
+            self.reception.perception.write_state(joints, state)
 
     def trouble(self) -> str | None:
         """Why what arrives cannot be flown with now; None if it can."""
@@ -315,7 +315,7 @@ class RobotLink:
 
     def _take_acknowledgement(self, report: StatusReport) -> None:
         """Take an answer of the robot's; called with `_change` held."""
-        session, stamp = report.values.get("session", ""), whole(report.values.get("stamp", ""))
+        session, stamp = report.values.get("session", ""), parse_count(report.values.get("stamp", ""))
         if not session.startswith(f"{self.console}.") or stamp is None:
             return
         stop = self.stop_sent

@@ -19,7 +19,7 @@ import zenoh
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.link.contract import Channel, Urgency
-from server.link.refusals import Quiet
+from server.link.refusals import ThrottledLog
 from sim.errors import ConfigError
 
 Endpoint = Annotated[str, Field(pattern=r"^(tcp|tls|quic)/\S+:\d+$", description="tcp/HOST:PORT or tls/HOST:PORT")]
@@ -79,7 +79,7 @@ class LinkSession:
         except zenoh.ZError as error:
             where = ", ".join((*transport.listen, *transport.connect))
             raise ConfigError(f"the link cannot be opened at {where}: {error}", tip=_TIP) from None
-        self._quiet = Quiet(log)
+        self._throttled_log = ThrottledLog(log)
         self._publishers: dict[str, Any] = {}
         self._subscribers: list[Any] = []
 
@@ -104,7 +104,7 @@ class LinkSession:
                 take(sample.payload.to_bytes())
             except Exception as error:  # zenoh would print it and go on; the log is where it is looked for
                 what = f"{type(error).__name__}: {error}"
-                self._quiet.warning(
+                self._throttled_log.warning(
                     channel.key, f"a message on {channel.key} could not be taken: {what[:200]}", time.monotonic()
                 )
                 log.debug("a message on %s", channel.key, exc_info=error)

@@ -13,7 +13,7 @@ from pydantic import Field
 from server.link import contract
 from server.link.contract import Channel
 from server.link.reception import JUDGED, NEEDED, name_of
-from server.link.reports import whole
+from server.link.reports import parse_count
 from server.link.robot_link import RobotLink
 from server.link.streams import HISTORY_STEP
 from server.published import RobotData
@@ -230,8 +230,8 @@ def _robot(link: RobotLink, now: float) -> RobotReport | None:
         contract=values.get("contract", ""),
         session=values.get("session", ""),
         tared=values.get("tared") == "true",
-        commands=whole(values.get("commands", "")) or 0,
-        refused=whole(values.get("refused", "")) or 0,
+        commands=parse_count(values.get("commands", "")) or 0,
+        refused=parse_count(values.get("refused", "")) or 0,
         last_refusal=values.get("last_refusal", ""),
     )
 

@@ -80,7 +80,7 @@ class ZenohPlant:
         if self._tare_if_needed():
             link.reset_perception()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
-        link.tell(joints, self._state)
+        link.write_state(joints, self._state)
         self._lost = ""
         self._begun = threading.Event()
         self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
@@ -117,7 +117,7 @@ class ZenohPlant:
         self._state["tick"] += 1
         self._state["time"] = 1e-9 * (joints.stamp - self._first)
         self._last, self._angle = joints.stamp, joints.angle
-        link.tell(joints, self._state)
+        link.write_state(joints, self._state)
 
     def command(self, joint_rate: FloatArray) -> None:
         """Send joint rates [rad/s], shape (2, 3), that answer the state last observed."""

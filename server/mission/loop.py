@@ -245,7 +245,7 @@ class MissionLoop:
         self._armed.watch(arming_context(flying), now)
         for request, answer, message in granted:
             self._replies.grant(request, answer, message, flying)
-        if self._replies.wait or self._publisher.is_due(now):
+        if self._replies.pending or self._publisher.is_due(now):
             self._publisher.publish(flying, now)
         self._replies.deliver()  # after publishing: who has the answer finds it in the snapshot
 

@@ -16,7 +16,7 @@ class Replies:
         self._waiting: list[tuple[Answer, CommandAnswer]] = []
 
     @property
-    def wait(self) -> bool:
+    def pending(self) -> bool:
         """Whether any reply waits for a snapshot."""
         return bool(self._waiting)
 

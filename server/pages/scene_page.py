@@ -74,7 +74,7 @@ div:has(canvas[data-engine]) + .mantine-Paper-root { display: none !important }
 """What is put at the top of the page's head."""
 
 
-class Dressed(NamedTuple):
+class ScenePage(NamedTuple):
     """The page, and its mark in caches."""
 
     body: bytes
@@ -82,7 +82,7 @@ class Dressed(NamedTuple):
 
 
 @lru_cache(maxsize=2)
-def dressed(page: bytes) -> Dressed:
+def page_with_head(page: bytes) -> ScenePage:
     """That page with `HEAD` at the top of its head."""
     body = page.replace(b"<head>", b"<head>" + HEAD.encode(), 1)
-    return Dressed(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"')
+    return ScenePage(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"')

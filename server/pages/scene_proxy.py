@@ -30,8 +30,8 @@ from websockets.typing import Subprotocol
 from server.access.headers import content_policy, inline_scripts
 from server.library.replay_sessions import ReplaySessions
 from server.pages.scene_light import lightened
-from server.pages.scene_page import dressed
-from server.pages.scene_words import heard
+from server.pages.scene_page import page_with_head
+from server.pages.scene_words import accepted_camera
 
 router = APIRouter(include_in_schema=False)
 
@@ -111,7 +111,7 @@ async def scene_page(request: Request, path: str) -> Response:
 
 
 async def _page(request: Request, doorway: Path, path: str) -> Response:
-    """The page of viser, dressed for the console, or another of its files."""
+    """The page of viser, with the console's head, or another of its files."""
     url = httpx.URL(scheme="http", host="viser", path=f"/{path}")
     transport = httpx.AsyncHTTPTransport(uds=str(doorway))
     try:
@@ -122,7 +122,7 @@ async def _page(request: Request, doorway: Path, path: str) -> Response:
     kind = answer.headers.get("content-type", "application/octet-stream")
     if path:
         return Response(answer.content, answer.status_code, _page_headers(b""), kind)
-    page = dressed(answer.content)
+    page = page_with_head(answer.content)
     headers = _page_headers(page.body) | {"ETag": page.etag}
     # 0.8 MB that are the same until viser is another: a browser that has them asks only whether they still hold.
     if page.etag in request.headers.get("if-none-match", ""):
@@ -229,7 +229,7 @@ def _playback_doorway(connection: HTTPConnection, key: str) -> Path:
 
 async def _listen(browser: WebSocket, camera: _Newest, through: Traffic) -> None:
     while (message := await browser.receive())["type"] == "websocket.receive":
-        word = heard(message.get("bytes"))
+        word = accepted_camera(message.get("bytes"))
         if word is None:
             through.dropped += 1
         else:

@@ -46,7 +46,7 @@ _DECODER = msgspec.msgpack.Decoder(Camera)
 _ENCODER = msgspec.msgpack.Encoder()
 
 
-def heard(message: Any) -> bytes | None:
+def accepted_camera(message: Any) -> bytes | None:
     """A browser's message as it is passed to viser; None if it is not."""
     if not isinstance(message, bytes) or len(message) > LARGEST:
         return None

@@ -52,7 +52,7 @@ class PiecesLost(Exception):
     """What has been sent of an answer cannot be completed: its connection ends, so that nobody takes it for whole."""
 
 
-class _Places:
+class _Slots:
     """So many at a time, and so many who wait, in the order in which they came."""
 
     def __init__(self, count: int) -> None:
@@ -92,7 +92,7 @@ class Aside:
     """The processes that read, and who waits for them. In one event loop, but for `shutdown`."""
 
     def __init__(self) -> None:
-        self._answers, self._streams = _Places(ANSWERS_AT_ONCE), _Places(STREAMS_AT_ONCE)
+        self._answers, self._streams = _Slots(ANSWERS_AT_ONCE), _Slots(STREAMS_AT_ONCE)
         self._threads = ThreadPoolExecutor(ANSWERS_AT_ONCE + STREAMS_AT_ONCE, "becalm-aside")
         self._lock = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None

@@ -22,7 +22,7 @@ LONGEST_PATH = 100
 """Bytes that the path of a unix socket may have, on the system that allows fewest (104, with its end)."""
 
 
-class _Seen:
+class _PatchedModule:
     """A module as viser sees it: itself, but for what stands here instead."""
 
     def __init__(self, module: ModuleType, **instead: Any) -> None:
@@ -39,9 +39,9 @@ def _serve(handler: Any, host: str, port: int, **options: Any) -> Any:
     return websockets.asyncio.server.serve(handler, host, port, **options)
 
 
-_infra.websockets = _Seen(  # type: ignore[assignment, attr-defined]
+_infra.websockets = _PatchedModule(  # type: ignore[assignment, attr-defined]
     websockets,
-    asyncio=_Seen(websockets.asyncio, server=_Seen(websockets.asyncio.server, serve=_serve)),
+    asyncio=_PatchedModule(websockets.asyncio, server=_PatchedModule(websockets.asyncio.server, serve=_serve)),
 )
 
 

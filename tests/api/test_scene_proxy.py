@@ -62,7 +62,7 @@ def socket_of(address, origin=None, subprotocols=(PROTOCOL,), path="/scene"):
     )
 
 
-def test_the_page_comes_dressed_and_only_into_our_own_frames(address):
+def test_the_page_comes_with_our_head_and_only_into_our_own_frames(address):
     page = httpx.get(f"http://{address}/scene/", trust_env=False, timeout=PATIENCE)
     assert page.status_code == 200
     assert page.headers["content-type"].startswith("text/html")

@@ -113,7 +113,7 @@ def test_a_network_that_is_too_slow_or_gone(robot, fly, faults, gaps):
     flight.notice_within(SHORT)
     robot.inject_faults(**faults)
     _assert_in_time(_assert_held(robot, flight, r"no [a-z ]+ for \d+ ms"), SHORT, gaps())
-    robot.suffer()
+    robot.inject_faults()
     robot.restart()  # what is still under way would come late into the next flight; and the next life is not delayed
 
 

@@ -90,7 +90,7 @@ def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
     told = []
     for force in (0.11, 0.13, 0.07, 0.05, 0.11):
         perception.take_wrench(1, PlaneSample(0, "right_hand", np.array([force, 0.0, 0.0])))
-        perception.tell(joints, state)
+        perception.write_state(joints, state)
         told.append(bool(state["tip_contact"][1].any()))
         assert bool(state["hand_wrench"][1].any()) == told[-1]
         assert not state["hand_wrench"][0].any()
@@ -142,7 +142,7 @@ def test_a_state_that_is_told_back_is_the_state():
             perception.take_target(PlaneSample(stamp, "world", truth["target_pose"].copy()))
     assert perception.complete
     state = np.zeros(1, PLANT_STATE)[0]
-    perception.tell(joints, state)
+    perception.write_state(joints, state)
     # The encoders tell the mean of the last control period; what the filter holds lags by the rest of a change.
     np.testing.assert_allclose(state["base_pose"], truth["base_pose"], atol=1e-4)
     np.testing.assert_allclose(state["base_twist"], truth["base_twist"], atol=5e-3)

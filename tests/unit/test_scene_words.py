@@ -8,7 +8,7 @@ import msgspec
 import pytest
 import viser._messages as viser_messages
 
-from server.pages.scene_words import FARTHEST, LARGEST, heard
+from server.pages.scene_words import FARTHEST, LARGEST, accepted_camera
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -29,7 +29,7 @@ def said(**changes):
 
 
 def test_a_camera_is_what_viser_reads():
-    told = viser_messages.Message.deserialize(heard(said()))
+    told = viser_messages.Message.deserialize(accepted_camera(said()))
     assert isinstance(told, viser_messages.ViewerCameraMessage)
     assert told.position == (1.0, -2.0, 3.0)
     assert (told.image_width, told.image_height, told.fov) == (900, 420, 0.45)
@@ -44,14 +44,14 @@ def test_no_other_message_of_visers_passes():
     kinds = viser_messages.Message._subclass_from_type_string()
     assert len(kinds) > 50
     for kind in kinds.keys() - {"ViewerCameraMessage"}:
-        assert heard(said(type=kind)) is None
-        assert heard(msgspec.msgpack.encode({"type": kind})) is None
+        assert accepted_camera(said(type=kind)) is None
+        assert accepted_camera(msgspec.msgpack.encode({"type": kind})) is None
 
 
 @pytest.mark.parametrize("field", ["wxyz", "position", "look_at", "up_direction"])
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e308, 2 * FARTHEST, "1", None, [1.0]])
 def test_numbers_that_no_camera_has_do_not_pass(field, value):
-    assert heard(said(**{field: [value, *CAMERA[field][1:]]})) is None
+    assert accepted_camera(said(**{field: [value, *CAMERA[field][1:]]})) is None
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_numbers_that_no_camera_has_do_not_pass(field, value):
     ],
 )
 def test_what_is_not_quite_a_camera_does_not_pass(changes):
-    assert heard(said(**changes)) is None
+    assert accepted_camera(said(**changes)) is None
 
 
 @pytest.mark.parametrize(
@@ -91,4 +91,4 @@ def test_what_is_not_quite_a_camera_does_not_pass(changes):
     ],
 )
 def test_what_is_no_message_at_all_does_not_pass(message):
-    assert heard(message) is None
+    assert accepted_camera(message) is None
