@@ -1,8 +1,9 @@
 /** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
 import { socketAddress } from "../api/address";
 import type { History, MissionEvent, MissionSnapshot } from "../api/types";
-import { samplesOfTable, type Sample, type Table } from "./quantities";
 import { waitBefore } from "./backoff";
+import type { Table } from "./columns";
+import { samplesOfTable, type Sample } from "./quantities";
 import type { Sink, Source } from "./source";
 
 /** Milliseconds between two looks whether anything has come. */

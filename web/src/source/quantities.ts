@@ -1,125 +1,57 @@
-/** What the console keeps over time, and where each quantity comes from: a snapshot or a row of the history. */
+/**
+ * What the console keeps over time and plots. A quantity is one entry: its name, its SI unit, and an expression over
+ * columns of the log, by which live snapshots, histories and stored runs are read alike.
+ */
 import type { MissionSnapshot } from "../api/types";
-import { phaseCode } from "./phases";
+import { columnsOfSnapshot, columnsOfTable, type Column, type Table } from "./columns";
 
-/** Reads one column of a history row by its name; NaN if it has none, or nothing was recorded there. */
-export type Cell = (name: string) => number;
-
-interface Quantity {
-  readonly ofSnapshot: (snapshot: MissionSnapshot) => number;
-  readonly ofRow: (cell: Cell) => number;
+export interface Quantity {
+  readonly unit: string;
+  readonly of: (column: Column) => number;
 }
 
-export const ARMS = ["left", "right"] as const;
-export const JOINTS = [1, 2, 3] as const;
-type Arm = (typeof ARMS)[number];
-type Joint = (typeof JOINTS)[number];
-
-export type ArmQuantityName =
-  | `${Arm}JointRate${Joint}`
-  | `${Arm}CommandedJointRate${Joint}`
-  | `${Arm}PositionError`
-  | `${Arm}AngleError`;
-
-const ARM_QUANTITY_NAMES: readonly ArmQuantityName[] = ARMS.flatMap((arm) => [
-  ...JOINTS.flatMap((joint) => [`${arm}JointRate${joint}`, `${arm}CommandedJointRate${joint}`] as const),
-  `${arm}PositionError` as const,
-  `${arm}AngleError` as const,
-]);
-
-const FIRST_NAMES = [
-  "tick",
-  "time",
-  "phase",
-  "leftForce",
-  "rightForce",
-  "spin",
-  "baseRate",
-  "baseAngle",
-  "leftManipulability",
-  "rightManipulability",
-] as const;
-
-export type QuantityName = (typeof FIRST_NAMES)[number] | ArmQuantityName;
-export const QUANTITY_NAMES: readonly QuantityName[] = [...FIRST_NAMES, ...ARM_QUANTITY_NAMES];
-
-type Pose = readonly [number, number, number];
-
-const distance = (one: Pose, other: Pose): number => Math.hypot(one[0] - other[0], one[1] - other[1]);
-
-/** Of one arm: rates of its joints, and how far its hand is from where the plan wants it. */
-function armQuantities(arm: Arm): [QuantityName, Quantity][] {
-  const rates = JOINTS.flatMap((joint): [QuantityName, Quantity][] => [
-    [`${arm}JointRate${joint}`, { ofSnapshot: (s) => s[arm].joint_rate[joint - 1] ?? Number.NaN, ofRow: (cell) => cell(`${arm}.joint_rate.${joint}`) }],
-    [
-      `${arm}CommandedJointRate${joint}`,
-      {
-        ofSnapshot: (s) => s[arm].commanded_joint_rate[joint - 1] ?? Number.NaN,
-        ofRow: (cell) => cell(`${arm}.commanded_joint_rate.${joint}`),
-      },
-    ],
-  ]);
-  return [
-    ...rates,
-    [
-      `${arm}PositionError`,
-      {
-        ofSnapshot: (s) => distance(s[arm].desired_hand_pose, s[arm].hand_pose),
-        ofRow: (cell) => cell(`${arm}.position_error`),
-      },
-    ],
-    [
-      `${arm}AngleError`,
-      {
-        ofSnapshot: (s) => s[arm].desired_hand_pose[2] - s[arm].hand_pose[2],
-        ofRow: (cell) => cell(`${arm}.angle_error`),
-      },
-    ],
-  ];
-}
-
-const FIRST_QUANTITIES: Readonly<Record<(typeof FIRST_NAMES)[number], Quantity>> = {
-  tick: { ofSnapshot: (s) => s.tick, ofRow: (cell) => cell("mission.tick") },
-  time: { ofSnapshot: (s) => s.time, ofRow: (cell) => cell("mission.time") },
-  phase: { ofSnapshot: (s) => phaseCode(s.phase), ofRow: (cell) => cell("mission.phase") },
-  leftForce: {
-    ofSnapshot: (s) => Math.hypot(s.left.hand_wrench[0], s.left.hand_wrench[1]),
-    ofRow: (cell) => cell("left.hand_force"),
-  },
-  rightForce: {
-    ofSnapshot: (s) => Math.hypot(s.right.hand_wrench[0], s.right.hand_wrench[1]),
-    ofRow: (cell) => cell("right.hand_force"),
-  },
-  spin: { ofSnapshot: (s) => s.spin, ofRow: (cell) => cell("target.twist.angle") },
-  baseRate: { ofSnapshot: (s) => s.base.twist[2], ofRow: (cell) => cell("base.twist.angle") },
-  baseAngle: { ofSnapshot: (s) => s.base.pose[2], ofRow: (cell) => cell("base.pose.angle") },
-  leftManipulability: { ofSnapshot: (s) => s.left.manipulability, ofRow: (cell) => cell("left.manipulability") },
-  rightManipulability: { ofSnapshot: (s) => s.right.manipulability, ofRow: (cell) => cell("right.manipulability") },
-};
+/** A quantity that a single column of the log holds. */
+const column = (name: string, unit: string): Quantity => ({ unit, of: (value) => value(name) });
 
 export const QUANTITIES = {
-  ...FIRST_QUANTITIES,
-  ...Object.fromEntries(ARMS.flatMap(armQuantities)),
-} as Readonly<Record<QuantityName, Quantity>>;
+  tick: column("mission.tick", "1"),
+  time: column("mission.time", "s"),
+  phase: column("mission.phase", "1"),
+  spin: column("target.twist.angle", "rad/s"),
+  baseRate: column("base.twist.angle", "rad/s"),
+  baseAngle: column("base.pose.angle", "rad"),
+  leftForce: column("left.hand_force", "N"),
+  rightForce: column("right.hand_force", "N"),
+  leftManipulability: column("left.manipulability", "m2"),
+  rightManipulability: column("right.manipulability", "m2"),
+  leftPositionError: column("left.position_error", "m"),
+  rightPositionError: column("right.position_error", "m"),
+  leftAngleError: column("left.angle_error", "rad"),
+  rightAngleError: column("right.angle_error", "rad"),
+  leftJointRate1: column("left.joint_rate.1", "rad/s"),
+  leftJointRate2: column("left.joint_rate.2", "rad/s"),
+  leftJointRate3: column("left.joint_rate.3", "rad/s"),
+  rightJointRate1: column("right.joint_rate.1", "rad/s"),
+  rightJointRate2: column("right.joint_rate.2", "rad/s"),
+  rightJointRate3: column("right.joint_rate.3", "rad/s"),
+  leftCommandedJointRate1: column("left.commanded_joint_rate.1", "rad/s"),
+  leftCommandedJointRate2: column("left.commanded_joint_rate.2", "rad/s"),
+  leftCommandedJointRate3: column("left.commanded_joint_rate.3", "rad/s"),
+  rightCommandedJointRate1: column("right.commanded_joint_rate.1", "rad/s"),
+  rightCommandedJointRate2: column("right.commanded_joint_rate.2", "rad/s"),
+  rightCommandedJointRate3: column("right.commanded_joint_rate.3", "rad/s"),
+} as const satisfies Record<string, Quantity>;
 
+export type QuantityName = keyof typeof QUANTITIES;
+export const QUANTITY_NAMES = Object.keys(QUANTITIES) as readonly QuantityName[];
+
+/** The value of every quantity at one tick. */
 export type Sample = Readonly<Record<QuantityName, number>>;
 
-function sample(read: (quantity: Quantity) => number): Sample {
-  return Object.fromEntries(QUANTITY_NAMES.map((name) => [name, read(QUANTITIES[name])])) as Record<QuantityName, number>;
-}
+const sampleOf = (value: Column): Sample =>
+  Object.fromEntries(QUANTITY_NAMES.map((name) => [name, QUANTITIES[name].of(value)])) as Record<QuantityName, number>;
 
-export const sampleOfSnapshot = (snapshot: MissionSnapshot): Sample => sample((quantity) => quantity.ofSnapshot(snapshot));
-
-export interface Table {
-  readonly columns: readonly { readonly name: string }[];
-  readonly rows: readonly (readonly (number | null)[])[];
-}
+export const sampleOfSnapshot = (snapshot: MissionSnapshot): Sample => sampleOf(columnsOfSnapshot(snapshot));
 
 /** The samples of a history, oldest first. */
-export function samplesOfTable(table: Table): Sample[] {
-  const places = new Map(table.columns.map((column, place) => [column.name, place]));
-  return table.rows.map((row) => {
-    const cell: Cell = (name) => row[places.get(name) ?? -1] ?? Number.NaN;
-    return sample((quantity) => quantity.ofRow(cell));
-  });
-}
+export const samplesOfTable = (table: Table): Sample[] => columnsOfTable(table).map(sampleOf);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { QUANTITY_NAMES, samplesOfTable, type QuantityName, type Sample } from "./quantities";
+import { QUANTITY_NAMES, type QuantityName, type Sample } from "./quantities";
 import { Series } from "./series";
 
 const PERIOD = 0.001;
@@ -53,16 +53,5 @@ describe("the mission over time", () => {
       { phase: "holding", start: 0.03, end: 0.03 },
     ]);
     expect(series.firstMotion).toBe(0.01);
-  });
-
-  it("reads a history by the names of its columns, NaN for those it lacks", () => {
-    const [row] = samplesOfTable({
-      columns: ["mission.tick", "right.hand_force", "left.hand_force"].map((name) => ({ name })),
-      rows: [[7, null, 5]],
-    });
-    expect(row?.tick).toBe(7);
-    expect(row?.leftForce).toBe(5);
-    expect(row?.rightForce).toBeNaN();
-    expect(row?.spin).toBeNaN();
   });
 });

@@ -10,7 +10,7 @@ import { comparedAt, useCompared, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
 import { plotFigure } from "./figure";
 import { figureOf, type FigureSource } from "./figure-of";
-import type { Curve, Known, PlotDefinition } from "./plot-set";
+import { unitOf, type Curve, type Known, type PlotDefinition } from "./plot-set";
 import { ExportMenu } from "../../ui/export/ExportMenu";
 import styles from "./Plot.module.css";
 import type { Range } from "./timeview";
@@ -56,7 +56,7 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
   const others = useRef<(HTMLElement | null)[]>([]);
   const comparing = useCompared() !== null;
   const last = useRef<PlotFrame | null>(null);
-  const scale = useMemo(() => definition.as ?? shown(definition.unit, angles), [definition, angles]);
+  const scale = useMemo(() => definition.as ?? shown(unitOf(definition), angles), [definition, angles]);
 
   // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
   const decimals = definition.as ? definition.decimals : Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));

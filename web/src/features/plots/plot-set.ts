@@ -1,6 +1,6 @@
 /** Which plots there are: their curves, levels and ranges. A new plot is a new entry here. */
 import type { MissionConfiguration, MissionSnapshot } from "../../api/types";
-import { JOINTS, type QuantityName } from "../../source/quantities";
+import { QUANTITIES, type QuantityName } from "../../source/quantities";
 import { MILLIMETRES, type Shown } from "../../units/units";
 
 export interface Curve {
@@ -24,9 +24,7 @@ export interface PlotDefinition {
   readonly title: string;
   /** What its value axis shows, without the unit. */
   readonly axis: string;
-  /** SI unit of all its curves. */
-  readonly unit: string;
-  /** How a person reads it, where that is not the unit itself. */
+  /** How a person reads it, where that is not the unit of its quantities. */
   readonly as?: Shown;
   readonly decimals: number;
   readonly curves: readonly Curve[];
@@ -43,6 +41,10 @@ export interface Known {
   readonly config: MissionConfiguration["config"] | null;
 }
 
+/** The SI unit of a plot: all its quantities have the same. */
+export const unitOf = ({ curves: [first] }: PlotDefinition): string => (first === undefined ? "1" : QUANTITIES[first.quantity].unit);
+
+const JOINTS = [1, 2, 3] as const;
 const JOINT_TOKENS = { 1: "left", 2: "right", 3: "target" } as const;
 
 /** One quantity of both hands, told apart by colour and dash. */
@@ -51,12 +53,11 @@ const ofHands = (left: QuantityName, right: QuantityName): readonly Curve[] => [
   { quantity: right, label: "Right", token: "right", dash: [7, 2] },
 ];
 
-/** What each joint was told, and what it does. */
+/** The commanded and the measured rate of each joint. */
 const jointRates = (arm: "left" | "right"): PlotDefinition => ({
   id: `${arm}-joints`,
   title: `${arm === "left" ? "Left" : "Right"} joint rates, measured / commanded`,
   axis: "Joint rate",
-  unit: "rad/s",
   decimals: 3,
   curves: JOINTS.flatMap((joint) => [
     { quantity: `${arm}JointRate${joint}` as const, label: `J${joint}`, token: JOINT_TOKENS[joint] },
@@ -71,7 +72,6 @@ const CONTACT: readonly PlotDefinition[] = [
     id: "forces",
     title: "Tip force, resultant of each hand",
     axis: "Force",
-    unit: "N",
     decimals: 3,
     curves: ofHands("leftForce", "rightForce"),
     peaks: true,
@@ -82,7 +82,6 @@ const CONTACT: readonly PlotDefinition[] = [
     id: "rates",
     title: "Angular velocity",
     axis: "Angular velocity",
-    unit: "rad/s",
     decimals: 3,
     curves: [
       { quantity: "spin", label: "Target", token: "target" },
@@ -101,7 +100,6 @@ const ROBOT: readonly PlotDefinition[] = [
     id: "attitude",
     title: "Base attitude",
     axis: "Angle",
-    unit: "rad",
     decimals: 4,
     curves: [{ quantity: "baseAngle", label: "Base", token: "base" }],
     least: [-0.02, 0.02],
@@ -111,7 +109,6 @@ const ROBOT: readonly PlotDefinition[] = [
     id: "manipulability",
     title: "Manipulability",
     axis: "Manipulability",
-    unit: "m2",
     decimals: 4,
     curves: ofHands("leftManipulability", "rightManipulability"),
     least: [0, 0.05],
@@ -124,7 +121,6 @@ const TRACKING: readonly PlotDefinition[] = [
     id: "position-error",
     title: "Hand position, distance from desired",
     axis: "Distance",
-    unit: "m",
     as: MILLIMETRES,
     decimals: 2,
     curves: ofHands("leftPositionError", "rightPositionError"),
@@ -135,7 +131,6 @@ const TRACKING: readonly PlotDefinition[] = [
     id: "angle-error",
     title: "Hand angle, desired minus measured",
     axis: "Angle error",
-    unit: "rad",
     decimals: 4,
     curves: ofHands("leftAngleError", "rightAngleError"),
     least: [-0.01, 0.01],
