@@ -23,9 +23,30 @@ interface ChoiceProps {
   readonly within?: boolean;
 }
 
-export function Choice({ value, data, onChange, within = false, className, ...input }: ChoiceProps) {
-  const options = optionsOf(data);
-  const list = useId();
+function Options({ options, value, id, label }: { readonly options: readonly ChoiceOption[]; readonly value: string; readonly id: string; readonly label: string }) {
+  return (
+    <Combobox.Dropdown className={styles.dropdown ?? ""}>
+      <Combobox.Options className={styles.options ?? ""} aria-label={label}>
+        {options.map((option, place) => (
+          <Combobox.Option
+            key={option.value}
+            id={`${id}-${place}`}
+            value={option.value}
+            active={option.value === value}
+            aria-selected={option.value === value}
+            {...(option.disabled === true && { disabled: true })}
+          >
+            {option.label}
+          </Combobox.Option>
+        ))}
+      </Combobox.Options>
+      <EscNote />
+    </Combobox.Dropdown>
+  );
+}
+
+/** The state of a drop-down whose options are reached by typed letters, too. */
+function useTypedCombobox(options: readonly ChoiceOption[], list: string) {
   // The option that a typed letter went to, until another key moves on.
   const [typed, setTyped] = useState<string | null>(null);
   const combobox = useCombobox({
@@ -37,7 +58,7 @@ export function Choice({ value, data, onChange, within = false, className, ...in
       setTyped(null);
     },
   });
-  const keys = (event: KeyboardEvent): void => {
+  const onKeyDown = (event: KeyboardEvent): void => {
     setTyped(null);
     if (!combobox.dropdownOpened) return;
     const place = typedTo(event, options, combobox.getSelectedOptionIndex());
@@ -46,6 +67,13 @@ export function Choice({ value, data, onChange, within = false, className, ...in
     combobox.selectOption(place);
     setTyped(`${list}-${place}`);
   };
+  return { combobox, typed, onKeyDown };
+}
+
+export function Choice({ value, data, onChange, within = false, className, ...input }: ChoiceProps) {
+  const options = optionsOf(data);
+  const list = useId();
+  const { combobox, typed, onKeyDown } = useTypedCombobox(options, list);
   const chosen = options.find((option) => option.value === value);
   return (
     <Combobox
@@ -68,7 +96,7 @@ export function Choice({ value, data, onChange, within = false, className, ...in
           className={className ?? ""}
           rightSection={<Combobox.Chevron />}
           rightSectionPointerEvents="none"
-          onKeyDown={keys}
+          onKeyDown={onKeyDown}
           onClick={() => {
             combobox.toggleDropdown();
           }}
@@ -80,23 +108,7 @@ export function Choice({ value, data, onChange, within = false, className, ...in
           <span className={styles.chosen} data-longest={longestOf(options)}>{chosen?.label ?? value}</span>
         </InputBase>
       </Combobox.Target>
-      <Combobox.Dropdown className={styles.dropdown ?? ""}>
-        <Combobox.Options className={styles.options ?? ""} aria-label={input["aria-label"] ?? input.label ?? "Choices"}>
-          {options.map((option, place) => (
-            <Combobox.Option
-              key={option.value}
-              id={`${list}-${place}`}
-              value={option.value}
-              active={option.value === value}
-              aria-selected={option.value === value}
-              {...(option.disabled === true && { disabled: true })}
-            >
-              {option.label}
-            </Combobox.Option>
-          ))}
-        </Combobox.Options>
-        <EscNote />
-      </Combobox.Dropdown>
+      <Options options={options} value={value} id={list} label={input["aria-label"] ?? input.label ?? "Choices"} />
     </Combobox>
   );
 }

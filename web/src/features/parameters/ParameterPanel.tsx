@@ -107,16 +107,23 @@ function Find({ query, setQuery, edited, only, setOnly }: FindProps) {
   );
 }
 
-export function ParameterPanel() {
-  const configuration = useConfiguration();
-  const { parameters, inForce, setInForce } = configuration;
+/** The draft, and what may be done with it. */
+function useDraft({ parameters, inForce, setInForce }: Configuration) {
   const { angles } = usePreferences();
   const [draft, setDraft] = useState<Draft>({});
   const [refusal, setRefusal] = useState<Refusal | null>(null);
   const [applying, setApplying] = useState(false);
-  const [query, setQuery] = useState("");
-  const [onlyEdited, setOnlyEdited] = useState(false);
-
+  const changes = changesOf(draft, parameters, inForce?.config);
+  const arming = useArmingOf(changes);
+  const attempt = async (work: () => Promise<void>): Promise<void> => {
+    setRefusal(null);
+    try {
+      await work();
+    } catch (cause) {
+      if (!(cause instanceof Refusal)) throw cause;
+      setRefusal(cause);
+    }
+  };
   const edit = (parameter: Parameter, text: string): void => {
     const unit = draft[parameter.path]?.angles ?? angles;
     setDraft({ ...draft, [parameter.path]: { text, angles: unit } });
@@ -129,35 +136,32 @@ export function ParameterPanel() {
     setDraft({});
     setRefusal(null);
   };
-  const changes = changesOf(draft, parameters, inForce?.config);
-  /** Against what is in force now, which a reset a moment ago may have changed. */
-  const stage = async ({ config }: Preset): Promise<void> => {
-    try {
+  /** Beside what is in force now, which a reset a moment ago may have changed. */
+  const stage = ({ config }: Preset): Promise<void> =>
+    attempt(async () => {
       const now = await readConfiguration();
       setInForce(now);
       setDraft(draftTowards(config, parameters, now.config, angles));
-      setRefusal(null);
-    } catch (cause) {
-      if (!(cause instanceof Refusal)) throw cause;
-      setRefusal(cause);
-    }
-  };
-  const arming = useArmingOf(changes);
+    });
   const apply = async (): Promise<void> => {
     setApplying(true);
-    setRefusal(null);
-    try {
+    await attempt(async () => {
       if (await arming.comesFirst()) return;
       setInForce(await changeConfiguration(patchOf(changes), arming.armed?.arming.token ?? null));
       discard();
-    } catch (cause) {
-      if (!(cause instanceof Refusal)) throw cause;
-      setRefusal(cause);
-    } finally {
+    }).finally(() => {
       setApplying(false);
-    }
+    });
   };
+  return { draft, changes, refusal, applying, armed: arming.armed, edit, leave, discard, stage, apply };
+}
 
+export function ParameterPanel() {
+  const configuration = useConfiguration();
+  const { parameters, inForce } = configuration;
+  const { draft, changes, refusal, applying, armed, edit, leave, discard, stage, apply } = useDraft(configuration);
+  const [query, setQuery] = useState("");
+  const [onlyEdited, setOnlyEdited] = useState(false);
   const present = inForce === null ? null : presentOf(inForce, changes);
   const refusals = refusal === null ? {} : findings(refusal, parameters);
   const field = useFields(configuration, { draft, refusals, edit, leave });
@@ -186,7 +190,7 @@ export function ParameterPanel() {
         touched={Object.keys(draft).length > 0}
         refusal={refusal}
         applying={applying}
-        armed={arming.armed}
+        armed={armed}
         apply={() => void apply()}
         discard={discard}
       />

@@ -10,83 +10,97 @@ const digits = (value: number): string => plain(Number(value.toPrecision(3)));
 
 const percent = (share: number): string => `${fixed(100 * share, 1)} %`;
 
+function OutcomeTable({ study }: { readonly study: StudyDetail }) {
+  return (
+    <table className={styles.table}>
+      <thead>
+        <tr>
+          <th>Class</th>
+          <th>Cells</th>
+          <th>Share</th>
+        </tr>
+      </thead>
+      <tbody>
+        {study.outcomes.map((share) => (
+          <tr key={share.outcome}>
+            <td>
+              <span className={styles.swatch} style={{ background: lookOf(share.outcome).colour }} aria-hidden="true">
+                {lookOf(share.outcome).letter}
+              </span>
+              <Term term={share.outcome}>{lookOf(share.outcome).words}</Term>
+            </td>
+            <td>{share.cells}</td>
+            <td>
+              {percent(share.share)}
+              {share.low !== null && share.high !== null && (
+                <small title="95 % confidence interval">
+                  {fixed(100 * share.low, 0)}–{fixed(100 * share.high, 0)} %
+                </small>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function MeasureTable({ measures }: { readonly measures: StudyDetail["measures"] }) {
+  return (
+    <table className={styles.table}>
+      <caption>Means of the sample, with their 95 % confidence interval</caption>
+      <tbody>
+        {measures.map(({ measure, unit, mean }) => (
+          <tr key={measure}>
+            <td>
+              <Term term={measure}>{measure.replaceAll("_", " ")}</Term>
+              {unit !== "1" && ` [${shown(unit, "rad").unit}]`}
+            </td>
+            <td>{digits(mean.value)}</td>
+            <td>
+              <small>{mean.low !== null && mean.high !== null && `${digits(mean.low)} – ${digits(mean.high)}`}</small>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function AgreementTable({ agreement }: { readonly agreement: NonNullable<StudyDetail["agreement"]> }) {
+  return (
+    <table className={styles.table}>
+      <caption>Agreement with the paper, at the first closure</caption>
+      <thead>
+        <tr>
+          <th>Table</th>
+          <th>Same class</th>
+          <th>
+            <Term term="Cohen's κ">Cohen&apos;s κ</Term>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {agreement.map((table) => (
+          <tr key={table.mass}>
+            <td>m = {table.mass} kg</td>
+            <td>
+              {table.agreeing} of {table.cells} ({percent(table.share)})
+            </td>
+            <td>{fixed(table.kappa, 2)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
 export function StudyResults({ study }: { readonly study: StudyDetail }) {
   return (
     <Panel title="Outcomes">
-      <table className={styles.table}>
-        <thead>
-          <tr>
-            <th>Class</th>
-            <th>Cells</th>
-            <th>Share</th>
-          </tr>
-        </thead>
-        <tbody>
-          {study.outcomes.map((share) => (
-            <tr key={share.outcome}>
-              <td>
-                <span className={styles.swatch} style={{ background: lookOf(share.outcome).colour }} aria-hidden="true">
-                  {lookOf(share.outcome).letter}
-                </span>
-                <Term term={share.outcome}>{lookOf(share.outcome).words}</Term>
-              </td>
-              <td>{share.cells}</td>
-              <td>
-                {percent(share.share)}
-                {share.low !== null && share.high !== null && (
-                  <small title="95 % confidence interval">
-                    {fixed(100 * share.low, 0)}–{fixed(100 * share.high, 0)} %
-                  </small>
-                )}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-      {study.measures.length > 0 && (
-        <table className={styles.table}>
-          <caption>Means of the sample, with their 95 % confidence interval</caption>
-          <tbody>
-            {study.measures.map(({ measure, unit, mean }) => (
-              <tr key={measure}>
-                <td>
-                  <Term term={measure}>{measure.replaceAll("_", " ")}</Term>
-                  {unit !== "1" && ` [${shown(unit, "rad").unit}]`}
-                </td>
-                <td>{digits(mean.value)}</td>
-                <td>
-                  <small>{mean.low !== null && mean.high !== null && `${digits(mean.low)} – ${digits(mean.high)}`}</small>
-                </td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
-      {study.agreement !== null && study.agreement.length > 0 && (
-        <table className={styles.table}>
-          <caption>Agreement with the paper, at the first closure</caption>
-          <thead>
-            <tr>
-              <th>Table</th>
-              <th>Same class</th>
-              <th>
-                <Term term="Cohen's κ">Cohen&apos;s κ</Term>
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {study.agreement.map((table) => (
-              <tr key={table.mass}>
-                <td>m = {table.mass} kg</td>
-                <td>
-                  {table.agreeing} of {table.cells} ({percent(table.share)})
-                </td>
-                <td>{fixed(table.kappa, 2)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
+      <OutcomeTable study={study} />
+      {study.measures.length > 0 && <MeasureTable measures={study.measures} />}
+      {study.agreement !== null && study.agreement.length > 0 && <AgreementTable agreement={study.agreement} />}
     </Panel>
   );
 }
