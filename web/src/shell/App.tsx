@@ -1,5 +1,7 @@
 import { MantineProvider } from "@mantine/core";
+import { QueryClientProvider } from "@tanstack/react-query";
 import { useState } from "react";
+import { newQueryClient } from "../api/query-client";
 import { AccessContext, useAccess, useAccessState } from "../features/access/session";
 import { SignIn } from "../features/access/SignIn";
 import { DeskContext } from "../features/commands/context";
@@ -45,16 +47,25 @@ function Gate() {
   return session.token_needed && session.role === null ? <SignIn /> : <Console />;
 }
 
-function Everything() {
+function SignedIn() {
   const access = useAccessState();
+  return (
+    <AccessContext value={access}>
+      <Gate />
+    </AccessContext>
+  );
+}
+
+function Everything() {
+  const [client] = useState(newQueryClient);
   const preferences = usePreferencesState();
   return (
     <MantineProvider theme={theme} cssVariablesResolver={surfaces} defaultColorScheme="dark">
-      <PreferencesContext value={preferences}>
-        <AccessContext value={access}>
-          <Gate />
-        </AccessContext>
-      </PreferencesContext>
+      <QueryClientProvider client={client}>
+        <PreferencesContext value={preferences}>
+          <SignedIn />
+        </PreferencesContext>
+      </QueryClientProvider>
     </MantineProvider>
   );
 }

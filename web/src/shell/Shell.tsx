@@ -5,7 +5,7 @@ import { LibraryPage } from "../features/library/LibraryPage";
 import { LinkPage } from "../features/link/LinkPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
 import { tellPhase } from "../stop/events";
-import { useView } from "../store/context";
+import { useDataState, useView } from "../store/context";
 import { Boundary } from "../ui/Boundary";
 import { MissionPage } from "./MissionPage";
 import { useRoute } from "../store/route";
@@ -23,12 +23,11 @@ function useTellPhase(): void {
 
 /** Pages stay as they are while another one is shown: the scene keeps its view, a form what was typed. */
 export function Shell() {
-  const trust = useView((view) => view.trust);
-  const robotSilent = useView((view) => view.robotAge > 0);
+  const state = useDataState();
   const { page, item, other } = useRoute();
   useTellPhase();
   return (
-    <div className={styles.shell} data-trust={trust} data-robot={robotSilent ? "silent" : undefined}>
+    <div className={styles.shell} {...state}>
       <div className={styles.head}>
         <Boundary what="The top bar">
           <TopBar page={page} />

@@ -1,9 +1,9 @@
 /** One unmistakable line when what is on the screen is not what is happening. */
-import { useEffect, useState } from "react";
 import { Button } from "@mantine/core";
 import { useStore, useView } from "../store/context";
 import type { CutOff } from "../store/mission";
 import { Icon } from "../ui/theme/Icon";
+import { useClock } from "../ui/use-clock";
 import { clock, fixed } from "../units/units";
 import { hashOf } from "../store/route";
 import styles from "./TrustNotice.module.css";
@@ -53,7 +53,7 @@ function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
       <span>
         Run <a href={hashOf({ page: "runs", item: cutOff.run })}>{cutOff.run}</a>, then {cutOff.phase}, was cut off at {clock(cutOff.time, 1)}.
       </span>
-      <Button size="compact-xs" onClick={store.heedCutOff}>
+      <Button size="compact-xs" onClick={store.dismissCutOff}>
         Close
       </Button>
     </div>
@@ -61,15 +61,7 @@ function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
 }
 
 function PreparingNotice({ since }: { readonly since: number }) {
-  const [seconds, setSeconds] = useState(0);
-  useEffect(() => {
-    const timer = setInterval(() => {
-      setSeconds(Math.round((performance.now() - since) / 1000));
-    }, 250);
-    return () => {
-      clearInterval(timer);
-    };
-  }, [since]);
+  const seconds = Math.max(0, Math.round((useClock(250) - since) / 1000));
   return (
     <div className={styles.notice} data-tone="preparing" role="status">
       <Icon sign="wait" size={18} />

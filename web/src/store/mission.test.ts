@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { MissionEvent, MissionSnapshot } from "../api/types";
+import type { Source } from "../source/source";
 import { MissionStore } from "./mission";
 
 const still = [0, 0, 0];
@@ -21,8 +22,17 @@ const event = (tick: number, message: string): MissionEvent => ({
   message,
 });
 
+const SOURCE: Source = {
+  open: () => () => undefined,
+  refreshPeriod: null,
+  refresh: () => Promise.resolve(),
+  readRange: () => Promise.resolve(null),
+  playback: null,
+  scene: { changeNeeds: null, read: () => Promise.reject(new Error("none")), change: () => Promise.resolve() },
+};
+
 function storeAt(clock: { now: number }): MissionStore {
-  const store = new MissionStore(() => clock.now);
+  const store = new MissionStore(SOURCE, () => clock.now);
   store.link({ state: "open" });
   return store;
 }
@@ -90,6 +100,20 @@ describe("trust in what is shown", () => {
     expect(store.read()).toMatchObject({ trust: "live", robotAge: 3200 });
   });
 
+  it("trusts a stored run however old it is, and shows each moment of it at once", () => {
+    const clock = { now: 0 };
+    const store = new MissionStore(SOURCE, () => clock.now);
+    store.link({ state: "stored" });
+    store.snapshot(snapshot(0));
+    clock.now = 3_600_000;
+    store.look();
+    expect(store.read()).toMatchObject({ trust: "live", age: 0, robotAge: 0 });
+    store.snapshot(snapshot(900));
+    clock.now += 1;
+    store.snapshot(snapshot(300)); // dragged back
+    expect(store.read().snapshot?.tick).toBe(300);
+  });
+
   it("does not trust a lost connection, however fresh its last word", () => {
     const clock = { now: 0 };
     const store = storeAt(clock);
@@ -123,8 +147,8 @@ describe("what the panels get", () => {
 
   it("orders events and does not repeat them", () => {
     const store = storeAt({ now: 0 });
-    store.event(event(30, "later"));
-    store.addEvents([event(10, "earlier"), event(30, "later")]);
+    store.events([event(30, "later")]);
+    store.events([event(10, "earlier"), event(30, "later")]);
     expect(store.read().events.map((known) => known.message)).toEqual(["earlier", "later"]);
   });
 
@@ -144,14 +168,14 @@ describe("what the panels get", () => {
     store.reset();
     store.snapshot({ ...snapshot(1), run_id: "new" });
     expect(store.read().cutOff).toEqual({ run: "older", phase: "detumbling", time: 1.2 });
-    store.heedCutOff();
+    store.dismissCutOff();
     expect(store.read().cutOff).toBeNull();
   });
 
   it("forgets all of a mission that was reset", () => {
     const store = storeAt({ now: 0 });
     store.snapshot(snapshot(5));
-    store.event(event(5, "touch"));
+    store.events([event(5, "touch")]);
     store.reset();
     expect(store.read().events).toEqual([]);
     expect(store.series.length).toBe(0);

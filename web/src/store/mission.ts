@@ -1,9 +1,9 @@
-/** What the console knows of the mission: one immutable view for the panels, one series for the plots. */
+/** What the console knows of a mission, live or stored: one immutable view for the panels, one series for the plots. */
 import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
-import { ServiceClock } from "../source/service-clock";
-import type { Link, Sink } from "../source/source";
 import { sampleOfSnapshot, type Sample } from "../source/quantities";
 import { Series } from "../source/series";
+import { ServiceClock } from "../source/service-clock";
+import type { Config, Link, ShownRun, Sink, Source } from "../source/source";
 
 /** Age at which what is shown counts as old, in milliseconds: since the service made it, not since it came. */
 export const STALE_AFTER = 500;
@@ -17,7 +17,8 @@ const SILENT_LOOKS = 3;
  * How much of what is on the screen may be trusted.
  *
  * `connecting`: nothing has come yet; `preparing`: the service is there but its controller is being compiled;
- * `live`; `stale`: the newest snapshot is older than `STALE_AFTER`, or the connection is lost.
+ * `live`: it is as it should be, and a stored run always is; `stale`: the newest snapshot is older than `STALE_AFTER`,
+ * or the connection is lost.
  */
 export type Trust = "connecting" | "preparing" | "live" | "stale";
 
@@ -25,45 +26,54 @@ export type Trust = "connecting" | "preparing" | "live" | "stale";
 export interface CutOff {
   readonly run: string;
   readonly phase: string;
-  /** Mission time of the last that was seen of it, seconds. */
+  /** Mission time of the last snapshot of it, seconds. */
   readonly time: number;
 }
 
 export interface MissionView {
+  readonly run: ShownRun | null;
+  readonly config: Config | null;
   readonly snapshot: MissionSnapshot | null;
+  readonly touches: readonly Touch[];
+  readonly events: readonly MissionEvent[];
+  /** The address of the scene's page. */
+  readonly scene: string | null;
+  /** Why snapshots and scene come no more; null while they do. */
+  readonly ended: string | null;
   readonly link: Link;
   readonly trust: Trust;
   /** How often the connection was made. */
   readonly connections: number;
   /** Milliseconds since the service made what is shown; steps of a tenth of a second while stale, else 0. */
   readonly age: number;
-  /** Milliseconds since the robot told what is shown of it; likewise, and 0 in simulation. */
+  /** Milliseconds since the robot reported what is shown of it; likewise, and 0 in simulation. */
   readonly robotAge: number;
-  /** How often the service said that it had sent this page fewer events than there were. */
-  readonly missed: number;
   /** Milliseconds to the next attempt to connect, rounded up to seconds; 0 if none is planned. */
   readonly retryIn: number;
   /** Null once it has been read, or if there was none. */
   readonly cutOff: CutOff | null;
-  readonly events: readonly MissionEvent[];
   readonly health: Health | null;
   /** How long the service took to say so, milliseconds; null without an answer. */
   readonly answerTime: number | null;
-  /** When the service was first seen preparing, on the clock of `performance.now()`. */
+  /** When the service was first known to be preparing, on the clock of `performance.now()`. */
   readonly preparingSince: number | null;
 }
 
 const NOTHING: MissionView = {
+  run: null,
+  config: null,
   snapshot: null,
+  touches: [],
+  events: [],
+  scene: null,
+  ended: null,
   link: { state: "connecting" },
   trust: "connecting",
   connections: 0,
   age: 0,
   robotAge: 0,
-  missed: 0,
   retryIn: 0,
   cutOff: null,
-  events: [],
   health: null,
   answerTime: null,
   preparingSince: null,
@@ -73,8 +83,6 @@ type Listener = () => void;
 
 export class MissionStore implements Sink {
   readonly series = new Series();
-  /** Of a recording; a mission that flies tells its touches with every snapshot. */
-  touches: readonly Touch[] = [];
   private view = NOTHING;
   private pending: Partial<MissionView> = {};
   private readonly clock = new ServiceClock();
@@ -85,7 +93,13 @@ export class MissionStore implements Sink {
   private restarted = false;
   private readonly listeners = new Set<Listener>();
 
-  constructor(private readonly now: () => number = () => performance.now()) {}
+  constructor(
+    readonly source: Source,
+    private readonly now: () => number = () => performance.now(),
+  ) {}
+
+  /** Has the source tell; the returned function ends it. */
+  readonly open = (): (() => void) => this.source.open(this);
 
   readonly subscribe = (listener: Listener): (() => void) => {
     this.listeners.add(listener);
@@ -96,6 +110,14 @@ export class MissionStore implements Sink {
 
   readonly read = (): MissionView => this.view;
 
+  run(run: ShownRun): void {
+    this.change({ run }, true);
+  }
+
+  config(config: Config): void {
+    this.change({ config }, true);
+  }
+
   snapshot(snapshot: MissionSnapshot): void {
     const now = this.now();
     this.clock.arrived(snapshot.service_time, now);
@@ -104,7 +126,20 @@ export class MissionStore implements Sink {
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
-    this.change({ snapshot }, changed || this.view.trust !== "live");
+    // Nobody looks at the clock of a stored run, which would publish what waits.
+    this.change({ snapshot }, changed || this.view.trust !== "live" || this.view.link.state === "stored");
+  }
+
+  touches(touches: readonly Touch[]): void {
+    this.change({ touches }, false);
+  }
+
+  scene(scene: string): void {
+    this.change({ scene, ended: null }, true);
+  }
+
+  ended(why: string): void {
+    this.change({ ended: why }, true);
   }
 
   heard(service: string, serviceTime: number): void {
@@ -113,34 +148,18 @@ export class MissionStore implements Sink {
     this.clock.arrived(serviceTime, this.now());
   }
 
-  missed(): void {
-    this.change({ missed: this.view.missed + 1 }, true);
-  }
-
   history(samples: readonly Sample[]): void {
     this.series.merge(samples);
   }
 
-  event(event: MissionEvent): void {
-    this.addEvents([event]);
-  }
-
-  /** Puts events where they belong in time; those already known are not repeated. */
-  addEvents(more: readonly MissionEvent[]): void {
+  /** Puts events where they belong in time. */
+  events(more: readonly MissionEvent[]): void {
     const known = this.pending.events ?? this.view.events;
     const names = new Set(known.map(nameOf));
     const fresh = more.filter((event) => !names.has(nameOf(event)));
     if (fresh.length === 0) return;
     const events = [...known, ...fresh].sort((one, other) => one.time - other.time).slice(-EVENTS_KEPT);
     this.change({ events }, true);
-  }
-
-  /** Holds a run of the library in place of a mission that flies. */
-  recording(samples: readonly Sample[], events: readonly MissionEvent[], touches: readonly Touch[]): void {
-    this.touches = touches;
-    this.series.merge(samples);
-    this.addEvents(events);
-    this.change({ trust: "live" }, true);
   }
 
   link(link: Link): void {
@@ -164,11 +183,11 @@ export class MissionStore implements Sink {
     const { snapshot } = { ...this.view, ...this.pending };
     const flown = snapshot !== null && snapshot.outcome === null && snapshot.phase !== "idle";
     const cutOff = this.restarted && flown ? { run: snapshot.run_id, phase: snapshot.phase, time: snapshot.time } : this.view.cutOff;
-    this.change({ events: [], cutOff }, true);
+    this.change({ events: [], touches: [], cutOff }, true);
   }
 
   /** The notice of the run that was cut off has been read. */
-  readonly heedCutOff = (): void => {
+  readonly dismissCutOff = (): void => {
     this.change({ cutOff: null }, true);
   };
 
@@ -196,13 +215,14 @@ export class MissionStore implements Sink {
     const since = view.snapshot === null ? Number.POSITIVE_INFINITY : this.clock.age(view.snapshot.service_time, this.now());
     const trust = this.trustIn(view, since);
     const age = trust === "stale" ? tenths(since) : 0;
-    const robotSince = trust === "live" ? since + 1000 * (view.snapshot?.robot?.oldest ?? 0) : 0;
+    const robotSince = trust === "live" && view.link.state !== "stored" ? since + 1000 * (view.snapshot?.robot?.oldest ?? 0) : 0;
     const robotAge = robotSince > STALE_AFTER && view.snapshot?.robot ? tenths(robotSince) : 0;
     const wait = view.link.state === "lost" ? Math.max(0, view.link.retryAt - this.now()) : 0;
     return { ...view, trust, age, robotAge, retryIn: Math.ceil(wait / 1000) * 1000 };
   }
 
   private trustIn(view: MissionView, silence: number): Trust {
+    if (view.link.state === "stored") return "live";
     const silent = silence > STALE_AFTER && this.silentLooks >= SILENT_LOOKS;
     if (view.link.state === "open" && view.snapshot !== null && !silent) return "live";
     if (view.health?.status === "preparing" && view.link.state !== "lost") return "preparing";

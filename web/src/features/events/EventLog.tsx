@@ -10,6 +10,7 @@ import styles from "./EventLog.module.css";
 
 /** Within this many pixels of its end the log is at its end. */
 const END = 24;
+
 function Entry({ event }: { readonly event: MissionEvent }) {
   const { session } = useAccess();
   // Where nobody signs in, all is by the one operator.
@@ -33,8 +34,7 @@ function Entry({ event }: { readonly event: MissionEvent }) {
   );
 }
 
-/** Of a mission that flies, or of a recording, which does not grow old. */
-export function EventLog({ recorded = false }: { readonly recorded?: boolean }) {
+export function EventLog() {
   const events = useView((view) => view.events);
   const log = useRef<HTMLDivElement>(null);
   const [back, setBack] = useState(false);
@@ -45,7 +45,7 @@ export function EventLog({ recorded = false }: { readonly recorded?: boolean }) 
     </button>
   );
   return (
-    <Panel title="Events" grow dated={recorded ? undefined : "service"} aside={latest}>
+    <Panel title="Events" grow dated="service" aside={latest}>
       <div
         ref={log}
         className={styles.log}

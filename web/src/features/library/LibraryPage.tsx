@@ -1,6 +1,6 @@
 /** The library: every run that was recorded, found, read, annotated, taken away. */
 import { ActionIcon } from "@mantine/core";
-import { useMemo, useState } from "react";
+import { useMemo } from "react";
 import { EmptyPage } from "../../ui/EmptyPage";
 import { Panel } from "../../ui/Panel";
 import { Icon } from "../../ui/theme/Icon";
@@ -10,7 +10,7 @@ import { RunFilters } from "./RunFilters";
 import { RunList } from "./RunList";
 import { RunTable } from "./RunTable";
 import { RunView } from "./RunView";
-import { useLibrary, useRecording, type Library } from "./use-library";
+import { useLibrary, useRun, type Library } from "./use-library";
 
 interface PagesProps {
   readonly library: Library;
@@ -59,13 +59,9 @@ function Found({ library, query, item, other }: PagesProps) {
 export function LibraryPage({ item, other, shown }: { readonly item: string; readonly other: string; readonly shown: boolean }) {
   const address = useQueryAddress();
   const query = useMemo(() => queryOf(address), [address]);
-  const [edition, setEdition] = useState(0);
-  const library = useLibrary(shown, query, edition);
-  const { recording, refusal: missing } = useRecording(shown ? item : "", edition);
-  const { recording: compared, refusal: unlike } = useRecording(shown ? other : "", edition);
-  const again = () => {
-    setEdition((before) => before + 1);
-  };
+  const library = useLibrary(shown, query);
+  const { run, refusal: missing } = useRun(shown ? item : "");
+  const { run: compared, refusal: unlike } = useRun(shown ? other : "");
   return (
     <main className={styles.page} hidden={!shown} data-open={item === "" ? undefined : true}>
       <div className={styles.found}>
@@ -76,10 +72,10 @@ export function LibraryPage({ item, other, shown }: { readonly item: string; rea
           <a className={styles.all} href={runHash(query)}>
             All runs
           </a>
-          {recording === null ? (
+          {run === null ? (
             <EmptyPage label="No run chosen" title={missing?.message ?? "Reading the run"} words={missing?.tip ?? ""} />
           ) : (
-            <RunView key={recording.run.id} recording={recording} compared={compared} missing={unlike} query={query} onChange={again} />
+            <RunView key={run.id} run={run} other={compared} missing={unlike} query={query} />
           )}
         </div>
       )}

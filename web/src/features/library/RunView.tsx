@@ -10,23 +10,25 @@ import { useDoing, type Doing } from "../../api/use-doing";
 import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
 import type { Run } from "../../api/types";
-import { StoreContext } from "../../store/context";
+import type { Playback } from "../../source/playback";
+import { isUnderWay } from "../../source/recorded-source";
+import { StoreContext, useDataState } from "../../store/context";
+import type { MissionStore } from "../../store/mission";
 import { readNumber } from "../../units/numbers";
 import { clock, fixed, plain } from "../../units/units";
 import { RoleButton } from "../access/RoleButton";
 import { useReasonByRole } from "../access/session";
 import { PrepareButton } from "../commands/PrepareButton";
 import { EventLog } from "../events/EventLog";
-import { ComparedContext, comparedWith, type Alignment } from "../plots/compared";
+import { ComparisonContext, type Alignment } from "../plots/compared";
 import { PlotPanel } from "../plots/PlotPanel";
-import { Player } from "../replay/player";
 import { ReplayPanel } from "../replay/ReplayPanel";
 import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
 import { ComparisonPanel } from "./ComparisonPanel";
 import styles from "./LibraryPage.module.css";
 import { ask, runHash, type LibraryQuery } from "./query";
-import { isUnderWay, type Recording } from "./use-library";
+import { useReadAgain, useStored } from "./use-library";
 import { verdictWords } from "./Verdict";
 import { changeWords, configurationWords, statusWords } from "./words";
 
@@ -104,9 +106,9 @@ function RunFacts({ run }: { readonly run: Run }) {
 const NO_MOMENT = "There is no such moment in this run.";
 
 /** Makes a moment of this run the live mission, paused, as a run of its own. */
-function Fork({ run, player }: { readonly run: Run; readonly player: Player }) {
+function Fork({ run, playback }: { readonly run: Run; readonly playback: Playback }) {
   const [typed, setTyped] = useState<string | null>(null);
-  const { time: shown } = useSyncExternalStore(player.subscribe, player.read);
+  const { time: shown } = useSyncExternalStore(playback.subscribe, playback.read);
   const time = typed ?? fixed(shown, 3);
   const read = readNumber(time);
   const moment = "value" in read ? read.value : null;
@@ -124,21 +126,26 @@ function Fork({ run, player }: { readonly run: Run; readonly player: Player }) {
 }
 
 /** A moment that the replay goes to when it is pressed. */
-function Moment({ time, player }: { readonly time: number; readonly player: Player }) {
+function Moment({ time, playback }: { readonly time: number; readonly playback: Playback }) {
   return (
-    <Button size="compact-xs" onClick={() => { player.seek(time); }}>
+    <Button size="compact-xs" onClick={() => { playback.seek(time); }}>
       {`at ${clock(time)}`}
     </Button>
   );
 }
 
-function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doing; readonly player: Player }) {
+const never = (): (() => void) => () => undefined;
+
+/** The moment that a playback shows; null without one. */
+const useMoment = (playback: Playback | null): number | null => useSyncExternalStore(playback?.subscribe ?? never, () => playback?.read().time ?? null);
+
+function Notes({ run, doing, playback }: { readonly run: Run; readonly doing: Doing; readonly playback: Playback | null }) {
   const [text, setText] = useState("");
   const [atMoment, setAtMoment] = useState(false);
-  const { time } = useSyncExternalStore(player.subscribe, player.read);
+  const time = useMoment(playback);
   const add = () =>
     doing(async () => {
-      await remarkRun(run.id, { notes: [...run.notes, { text: text.trim(), ...(atMoment ? { time } : {}) }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
+      await remarkRun(run.id, { notes: [...run.notes, { text: text.trim(), ...(atMoment && time !== null ? { time } : {}) }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
       setText("");
     });
   const remove = (place: number) => doing(() => remarkRun(run.id, { notes: run.notes.filter((_, at) => at !== place) }));
@@ -149,7 +156,7 @@ function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doin
           <li key={`${note.at} ${note.text}`}>
             <p>{note.text}</p>
             <small>{note.who}</small>
-            {typeof note.time === "number" && <Moment time={note.time} player={player} />}
+            {typeof note.time === "number" && playback !== null && <Moment time={note.time} playback={playback} />}
             <RoleButton needs="operator" size="compact-xs" aria-label={`Remove the note: ${note.text}`} onClick={() => void remove(place)}>
               Remove
             </RoleButton>
@@ -158,7 +165,7 @@ function Notes({ run, doing, player }: { readonly run: Run; readonly doing: Doin
       </ul>
       <div className={styles.writing}>
         <Textarea aria-label="A note on this run" placeholder="What is worth knowing about this run" size="xs" rows={2} value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
-        <Checkbox size="xs" label={`At the moment shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />
+        {time !== null && <Checkbox size="xs" label={`At the moment shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />}
         <RoleButton needs="operator" disabled={text.trim() === ""} onClick={() => void add()}>
           Add note
         </RoleButton>
@@ -201,57 +208,66 @@ function NameAndTags({ run, doing }: { readonly run: Run; readonly doing: Doing 
   );
 }
 
-interface RunViewProps {
-  readonly query: LibraryQuery;
-  readonly recording: Recording;
-  /** What it is compared with; null for nothing, or while that is read. */
-  readonly compared: Recording | null;
-  /** Why that cannot be read. */
-  readonly missing: Refusal | null;
-  readonly onChange: () => void;
+/** What is stored of a run, and of the one that it is compared with. */
+function Stored({ store, other, align }: { readonly store: MissionStore; readonly other: MissionStore | null; readonly align: Alignment }) {
+  const comparison = useMemo(() => other && { store: other, align }, [other, align]);
+  return (
+    <StoreContext value={store}>
+      <ComparisonContext value={comparison}>
+        <StoredPanels />
+      </ComparisonContext>
+    </StoreContext>
+  );
 }
 
-export function RunView({ recording, compared, missing, query, onChange }: RunViewProps) {
-  const { run, store } = recording;
-  const [align, setAlign] = useState<Alignment>("motion");
-  const beside = useMemo(
-    () => (store === null || !compared?.store ? null : comparedWith(store.series, compared.store.series, compared.run.id, align)),
-    [store, compared, align],
+function StoredPanels() {
+  return (
+    <div className={styles.column} {...useDataState()}>
+      <ReplayPanel />
+      <div className={styles.plots}>
+        <PlotPanel />
+      </div>
+      <EventLog />
+    </div>
   );
+}
+
+const WITHOUT_REPLAY = { replay: null };
+
+interface RunViewProps {
+  readonly query: LibraryQuery;
+  readonly run: Run;
+  /** What it is compared with; null for nothing, or while that is read. */
+  readonly other: Run | null;
+  /** Why that cannot be read. */
+  readonly missing: Refusal | null;
+}
+
+export function RunView({ run, other, missing, query }: RunViewProps) {
+  const store = useStored(run);
+  const compared = useStored(other, WITHOUT_REPLAY);
+  const [align, setAlign] = useState<Alignment>("motion");
   const { doing: asked, refusal } = useDoing();
-  const doing: Doing = (work) => asked(() => work().then(onChange));
-  const [player] = useState(() => new Player(run.duration, run.config.control.period, store?.series.firstMotion));
+  const readAgain = useReadAgain();
+  const doing: Doing = (work) => asked(() => work().then(readAgain));
+  const playback = store?.source.playback ?? null;
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
       <Head run={run} query={query} doing={doing} />
       {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
       <div className={styles.columns}>
-        <div className={styles.column}>
-          {store === null ? (
-            <p className={styles.hint}>Nothing has been recorded yet.</p>
-          ) : (
-            <StoreContext value={store}>
-              <ComparedContext value={beside}>
-              <ReplayPanel run={run.id} end={run.duration} player={player} />
-              <div className={styles.plots}>
-                <PlotPanel replayed={{ run, player }} />
-              </div>
-              <EventLog recorded />
-              </ComparedContext>
-            </StoreContext>
-          )}
-        </div>
+        {store === null ? <p className={styles.hint}>Nothing has been recorded yet.</p> : <Stored store={store} other={compared} align={align} />}
         <div className={styles.side}>
           {missing !== null && <p className={styles.refusal} role="alert">{`${missing.message} ${missing.tip}`}</p>}
-          {compared !== null && <ComparisonPanel end={runHash(query, run.id)} one={run} other={compared.run} align={align} onAlign={setAlign} />}
+          {other !== null && <ComparisonPanel end={runHash(query, run.id)} one={run} other={other} align={align} onAlign={setAlign} />}
           <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
             {run.outcome !== null && <Ending outcome={run.outcome} />}
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <RunFacts run={run} />
           </Panel>
-          {run.ticks > 0 && !isUnderWay(run) && <Fork run={run} player={player} />}
+          {playback !== null && !isUnderWay(run) && <Fork run={run} playback={playback} />}
           <NameAndTags run={run} doing={doing} />
-          <Notes run={run} doing={doing} player={player} />
+          <Notes run={run} doing={doing} playback={playback} />
         </div>
       </div>
     </section>

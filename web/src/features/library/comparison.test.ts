@@ -46,12 +46,12 @@ describe("the second recording on the clock of the first", () => {
   const second = recorded(5, 0.1, 8);
 
   it("begins to move where the first one does, or keeps its own clock", () => {
-    expect(comparedWith(first, second, "another", "motion").shift).toBeCloseTo(-3, 6);
-    expect(comparedWith(first, second, "another", "clock").shift).toBe(0);
+    expect(comparedWith(first, second, "motion").shift).toBeCloseTo(-3, 6);
+    expect(comparedWith(first, second, "clock").shift).toBe(0);
   });
 
   it("is read at the moment of the first one, and nowhere beyond its ends", () => {
-    const compared = comparedWith(first, second, "another", "motion");
+    const compared = comparedWith(first, second, "motion");
     expect(comparedAt(compared, "spin", 2)).toBeCloseTo(5, 6);
     expect(comparedAt(compared, "spin", -3)).toBeCloseTo(0, 6);
     expect(comparedAt(compared, "spin", 5.2)).toBeNaN();
@@ -59,7 +59,7 @@ describe("the second recording on the clock of the first", () => {
   });
 
   it("is drawn over the stretch that is shown", () => {
-    const [times, [spin]] = comparedSlice(comparedWith(first, second, "another", "motion"), { from: 1, to: 2 }, ["spin"]);
+    const [times, [spin]] = comparedSlice(comparedWith(first, second, "motion"), { from: 1, to: 2 }, ["spin"]);
     expect(times[0]).toBeLessThanOrEqual(1);
     expect(times.at(-1)).toBeGreaterThanOrEqual(2);
     expect(spin?.length).toBe(times.length);

@@ -1,20 +1,18 @@
-/** The runs that fit a query, and one of them as a recording that plots and events read like a mission. */
-import { useEffect, useState } from "react";
-import { Refusal } from "../../api/refusal";
-import { listRuns, readEvents, readRun, readTicks } from "../../api/service";
+/** The runs that fit a query, and what is stored of one of them. */
+import { keepPreviousData, skipToken, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
+import { refusalIn } from "../../api/query-client";
+import type { Refusal } from "../../api/refusal";
+import { listRuns, readRun, type Tagged } from "../../api/service";
 import type { Run, RunPage, RunSummary } from "../../api/types";
+import { isUnderWay, RecordedSource, type RecordedSourceOptions } from "../../source/recorded-source";
 import { MissionStore } from "../../store/mission";
-import { samplesOfTable } from "../../source/quantities";
-import { usePageVisible } from "../../ui/use-page-visible";
 import { requestOf, type LibraryQuery } from "./query";
 
 /** Milliseconds between two looks: while a run of the page flies, and else. */
 const LIVELY_PERIOD = 2000;
 const CALM_PERIOD = 10_000;
 const RUN_PERIOD = 1000;
-const POINTS = 4000;
-
-export const isUnderWay = (run: RunSummary): boolean => run.status === "queued" || run.status === "running";
 
 export interface Library {
   readonly runs: readonly RunSummary[];
@@ -24,81 +22,48 @@ export interface Library {
   readonly read: boolean;
 }
 
-const EMPTY: Library = { runs: [], total: 0, unreadable: [], refusal: null, read: false };
+const EMPTY = { runs: [], total: 0, unreadable: [] };
 
 /** A page of the library, looked at again while it is shown: what has not changed is not sent again. */
-export function useLibrary(shown: boolean, query: LibraryQuery, edition: number): Library {
-  const [library, setLibrary] = useState(EMPTY);
-  const visible = usePageVisible();
-  useEffect(() => {
-    if (!shown || !visible) return undefined;
-    let wanted = true;
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    let known: string | null = null;
-    let lively = false;
-    const look = async (): Promise<void> => {
-      try {
-        const found = await listRuns(requestOf(query), known);
-        if (found !== null && wanted) {
-          known = found.tag;
-          lively = found.body.runs.some(isUnderWay);
-          setLibrary({ ...found.body, refusal: null, read: true });
-        }
-      } catch (cause) {
-        if (!(cause instanceof Refusal)) throw cause;
-        known = null;
-        if (wanted) setLibrary((before) => ({ ...before, refusal: cause }));
-      }
-      if (wanted) timer = setTimeout(() => void look(), lively ? LIVELY_PERIOD : CALM_PERIOD);
-    };
-    void look();
-    return () => {
-      wanted = false;
-      clearTimeout(timer);
-    };
-  }, [shown, visible, query, edition]);
-  return library;
+export function useLibrary(shown: boolean, query: LibraryQuery): Library {
+  const client = useQueryClient();
+  const queryKey = ["runs", requestOf(query)];
+  const { data, error } = useQuery({
+    queryKey,
+    queryFn: async () => {
+      const known = client.getQueryData<Tagged<RunPage>>(queryKey);
+      const found = await listRuns(requestOf(query), known?.tag ?? null);
+      return found ?? known ?? null;
+    },
+    enabled: shown,
+    placeholderData: keepPreviousData,
+    refetchInterval: ({ state }) => (state.data?.body.runs.some(isUnderWay) ? LIVELY_PERIOD : CALM_PERIOD),
+  });
+  return { ...(data?.body ?? EMPTY), refusal: refusalIn(error), read: data !== undefined };
 }
 
-export interface Recording {
-  readonly run: Run;
-  /** Null while the run has no log. */
-  readonly store: MissionStore | null;
+/** One run, read again while it flies; null for none, or while it is read. */
+export function useRun(id: string): { readonly run: Run | null; readonly refusal: Refusal | null } {
+  const { data, error } = useQuery({
+    queryKey: ["run", id],
+    queryFn: id === "" ? skipToken : () => readRun(id),
+    refetchInterval: ({ state }) => (state.data !== undefined && isUnderWay(state.data) ? RUN_PERIOD : false),
+  });
+  return { run: data ?? null, refusal: refusalIn(error) };
 }
 
-async function readRecording(id: string): Promise<Recording> {
-  const run = await readRun(id);
-  if (run.ticks === 0) return { run, store: null };
-  const [table, events] = await Promise.all([readTicks(id, POINTS), readEvents(id)]);
-  const store = new MissionStore();
-  store.recording(samplesOfTable(table), events, run.outcome?.contacts ?? []);
-  return { run, store };
+/** Everything that shows runs reads them again: somebody changed one. */
+export function useReadAgain(): () => Promise<void> {
+  const client = useQueryClient();
+  return async () => {
+    await Promise.all([client.invalidateQueries({ queryKey: ["runs"] }), client.invalidateQueries({ queryKey: ["run"] })]);
+  };
 }
 
-/** One run with what was recorded of it; read again while it flies and somebody looks. */
-export function useRecording(id: string, edition: number): { readonly recording: Recording | null; readonly refusal: Refusal | null } {
-  const [state, setState] = useState<{ recording: Recording | null; refusal: Refusal | null }>({ recording: null, refusal: null });
-  const visible = usePageVisible();
-  useEffect(() => {
-    if (id === "" || !visible) return undefined;
-    let wanted = true;
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const look = async (): Promise<void> => {
-      try {
-        const recording = await readRecording(id);
-        if (!wanted) return;
-        setState({ recording, refusal: null });
-        if (isUnderWay(recording.run)) timer = setTimeout(() => void look(), RUN_PERIOD);
-      } catch (cause) {
-        if (!(cause instanceof Refusal)) throw cause;
-        if (wanted) setState({ recording: null, refusal: cause });
-      }
-    };
-    void look();
-    return () => {
-      wanted = false;
-      clearTimeout(timer);
-    };
-  }, [id, edition, visible]);
-  return state.recording?.run.id === id || state.refusal !== null ? state : { recording: null, refusal: null };
+/** What is stored of a run, as a mission that panels show; null for none, or while nothing has been recorded. */
+export function useStored(run: Run | null, options?: Partial<RecordedSourceOptions>): MissionStore | null {
+  const id = run !== null && run.ticks > 0 ? run.id : null;
+  const store = useMemo(() => (id === null ? null : new MissionStore(new RecordedSource(id, options))), [id, options]);
+  useEffect(() => store?.open(), [store]);
+  return store;
 }

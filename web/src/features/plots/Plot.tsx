@@ -1,19 +1,19 @@
 /** One plot with its title, the values under the cursor or of now, and its chart. */
 import { useMantineColorScheme } from "@mantine/core";
-import { useCallback, useEffect, useMemo, useRef } from "react";
+import { useCallback, useEffect, useMemo, useRef, type RefObject } from "react";
 import { usePreferences } from "../../units/preferences";
 import type { Series } from "../../source/series";
 import { canvasColours } from "../../ui/theme/canvas";
-import { fixed, shown } from "../../units/units";
+import { fixed, shown, type Shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
-import { comparedAt, useCompared, type Compared } from "./compared";
+import { comparedAt, useComparison, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
 import { plotFigure } from "./figure";
 import { figureOf, type FigureSource } from "./figure-of";
 import { unitOf, type Curve, type Known, type PlotDefinition } from "./plot-set";
 import { ExportMenu } from "../../ui/export/ExportMenu";
 import styles from "./Plot.module.css";
-import type { Range } from "./timeview";
+import type { Range } from "../../source/source";
 
 /** What the panel tells each plot for every frame. */
 export interface PlotFrame {
@@ -48,20 +48,39 @@ function Sign({ curve }: { readonly curve: Curve }) {
   );
 }
 
-export function Plot({ definition, timed, events, source, register }: PlotProps) {
-  const { angles } = usePreferences();
-  const { colorScheme } = useMantineColorScheme();
-  const place = useRef<HTMLDivElement>(null);
-  const values = useRef<(HTMLElement | null)[]>([]);
-  const others = useRef<(HTMLElement | null)[]>([]);
-  const comparing = useCompared() !== null;
-  const last = useRef<PlotFrame | null>(null);
-  const scale = useMemo(() => definition.as ?? shown(unitOf(definition), angles), [definition, angles]);
+type Values = RefObject<(HTMLElement | null)[]>;
 
+/** The value of each curve, and that of the second recording beside it. */
+function Readouts({ curves, values, others, comparing }: { readonly curves: readonly Curve[]; readonly values: Values; readonly others: Values; readonly comparing: boolean }) {
+  return curves.map((curve, index) => (
+    <span key={curve.quantity} className={styles.value} data-second={curve.label === "" || undefined}>
+      {curve.label === "" ? "/" : <Sign curve={curve} />}
+      {curve.label}{" "}
+      <b
+        ref={(element) => {
+          values.current[index] = element;
+        }}
+      >
+        —
+      </b>
+      {comparing && curve.label !== "" && (
+        <i
+          ref={(element) => {
+            others.current[index] = element;
+          }}
+        >
+          —
+        </i>
+      )}
+    </span>
+  ));
+}
+
+/** Writes the values at a time into their elements. */
+function useShowValues(definition: PlotDefinition, scale: Shown, values: Values, others: Values) {
   // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
   const decimals = definition.as ? definition.decimals : Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
-
-  const showValues = useCallback(
+  return useCallback(
     ({ series: drawn, whole, range, compared }: PlotFrame, time: number) => {
       const series = time >= range.from && time <= range.to ? drawn : whole;
       const row = Math.min(series.rowAt(time), series.length - 1);
@@ -72,8 +91,20 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
         if (other && compared) other.textContent = fixed(comparedAt(compared, quantity, time) * scale.factor, decimals);
       });
     },
-    [definition, scale, decimals],
+    [definition, scale, decimals, values, others],
   );
+}
+
+export function Plot({ definition, timed, events, source, register }: PlotProps) {
+  const { angles } = usePreferences();
+  const { colorScheme } = useMantineColorScheme();
+  const place = useRef<HTMLDivElement>(null);
+  const values = useRef<(HTMLElement | null)[]>([]);
+  const others = useRef<(HTMLElement | null)[]>([]);
+  const comparing = useComparison() !== null;
+  const last = useRef<PlotFrame | null>(null);
+  const scale = useMemo(() => definition.as ?? shown(unitOf(definition), angles), [definition, angles]);
+  const showValues = useShowValues(definition, scale, values, others);
 
   useEffect(() => {
     const element = place.current;
@@ -104,28 +135,7 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
     <figure className={styles.plot} aria-label={`${definition.title} over mission time`}>
       <figcaption className={styles.caption}>
         <h3 title={definition.title}>{definition.title}</h3>
-        {definition.curves.map((curve, index) => (
-          <span key={curve.quantity} className={styles.value} data-second={curve.label === "" || undefined}>
-            {curve.label === "" ? "/" : <Sign curve={curve} />}
-            {curve.label}{" "}
-            <b
-              ref={(element) => {
-                values.current[index] = element;
-              }}
-            >
-              —
-            </b>
-            {comparing && curve.label !== "" && (
-              <i
-                ref={(element) => {
-                  others.current[index] = element;
-                }}
-              >
-                —
-              </i>
-            )}
-          </span>
-        ))}
+        <Readouts curves={definition.curves} values={values} others={others} comparing={comparing} />
         <span className={styles.unit}>{scale.unit}</span>
         <ExportMenu
           compact

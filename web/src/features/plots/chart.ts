@@ -8,7 +8,8 @@ import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decora
 import { comparedSlice, type Compared } from "./compared";
 import { instantOfPeak } from "./peaks";
 import type { PlotDefinition } from "./plot-set";
-import { timeLabels, type Range } from "./timeview";
+import { timeLabels } from "./timeview";
+import type { Range } from "../../source/source";
 
 const CURSORS = uPlot.sync("becalm-time");
 const AXIS_WIDTH = 52;

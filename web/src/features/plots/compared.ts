@@ -2,24 +2,31 @@
 import { createContext, useContext } from "react";
 import type { QuantityName } from "../../source/quantities";
 import type { Series } from "../../source/series";
-import type { Range } from "./timeview";
+import type { Range } from "../../source/source";
+import type { MissionStore } from "../../store/mission";
 
+/** Where the two lie over one another: at their first motions, or by mission time. */
+export type Alignment = "motion" | "clock";
+
+/** What is compared with the mission that is shown. */
+export interface Comparison {
+  readonly store: MissionStore;
+  readonly align: Alignment;
+}
+
+export const ComparisonContext = createContext<Comparison | null>(null);
+
+export const useComparison = (): Comparison | null => useContext(ComparisonContext);
+
+/** The second recording as it is drawn. */
 export interface Compared {
-  readonly run: string;
   readonly series: Series;
   /** Added to its times, seconds. */
   readonly shift: number;
 }
 
-export type Alignment = "motion" | "clock";
-
-export const ComparedContext = createContext<Compared | null>(null);
-
-export const useCompared = (): Compared | null => useContext(ComparedContext);
-
-/** The shift that puts both first motions, or with `clock` both mission clocks, at the same place. */
-export function comparedWith(first: Series, second: Series, run: string, align: Alignment): Compared {
-  return { run, series: second, shift: align === "clock" ? 0 : first.firstMotion - second.firstMotion };
+export function comparedWith(first: Series, second: Series, align: Alignment): Compared {
+  return { series: second, shift: align === "clock" ? 0 : first.firstMotion - second.firstMotion };
 }
 
 /** The value at a time of the first one's clock; NaN where the second one was not recorded. */

@@ -1,17 +1,21 @@
-/** A stretch of a recorded run as finely as the screen can show it, asked for when somebody looks closely. */
-import { useEffect, useState } from "react";
-import { Refusal } from "../../api/refusal";
-import { readTicks } from "../../api/service";
-import { samplesOfTable } from "../../source/quantities";
+/** A stretch as finely as the screen can show it, asked of the source when somebody looks closely. */
+import { useDebouncedValue } from "@mantine/hooks";
+import { keepPreviousData, skipToken, useQuery } from "@tanstack/react-query";
+import { useId } from "react";
+import { POINTS } from "../../source/read-finely";
 import { Series } from "../../source/series";
-import type { Range } from "./timeview";
+import type { Range, Source } from "../../source/source";
+import { useViewOf } from "../../store/context";
+import type { MissionStore } from "../../store/mission";
 
-/** Rows for a stretch: two for each column of pixels of the widest screens. */
-const POINTS = 4000;
 /** Milliseconds that a stretch has to stand still before it is asked for. */
 const STILL = 200;
 /** Asked for on either side, so that a small step needs no new question. */
 const MARGIN = 0.25;
+/** Milliseconds until a stretch that is not known yet is asked for again. */
+const RETRY_PERIOD = 1000;
+/** Milliseconds for which a stretch is kept that nobody looks at any more. */
+const KEPT = 60_000;
 
 export interface Detail {
   readonly series: Series;
@@ -22,36 +26,36 @@ export interface Detail {
 export const seriesFor = (detail: Detail | null, range: Range, whole: Series): Series =>
   detail !== null && detail.range.from <= range.from && detail.range.to >= range.to ? detail.series : whole;
 
-async function readDetail(run: string, { from, to }: Range): Promise<Detail> {
+async function readDetail(source: Source, { from, to }: Range): Promise<Detail | null> {
   const margin = MARGIN * (to - from);
   const range = { from: Math.max(0, from - margin), to: to + margin };
+  const samples = await source.readRange(range);
+  if (samples === null) return null;
   const series = new Series(POINTS + POINTS / 4);
-  series.merge(samplesOfTable(await readTicks(run, POINTS, range)));
+  series.merge(samples);
   return { series, range };
 }
 
-/** Of that run (null: of none) for that stretch (null: the whole is enough), in seconds of its own clock. */
-export function useDetail(run: string | null, range: Range | null): Detail | null {
-  const [detail, setDetail] = useState<(Detail & { readonly run: string }) | null>(null);
-  const [from, to] = [range?.from ?? null, range?.to ?? null];
-  useEffect(() => {
-    if (run === null || from === null || to === null) return undefined;
-    let wanted = true;
-    const timer = setTimeout(() => {
-      readDetail(run, { from, to }).then(
-        (found) => {
-          if (wanted) setDetail({ ...found, run });
-        },
-        (cause: unknown) => {
-          // Nothing recorded there, or no answer: the whole of the run is shown as it is.
-          if (!(cause instanceof Refusal)) throw cause;
-        },
-      );
-    }, STILL);
-    return () => {
-      wanted = false;
-      clearTimeout(timer);
-    };
-  }, [run, from, to]);
-  return detail?.run === run ? detail : null;
+/** Of what that store shows (null: of nothing) for that stretch (null: the whole is enough), in its own mission time. */
+export function useDetail(store: MissionStore | null, range: Range | null): Detail | null {
+  const hook = useId();
+  const run = useViewOf(store, (view) => view.run?.id ?? null);
+  const [asked] = useDebouncedValue(run === null || range === null ? null : `${run} ${range.from} ${range.to}`, STILL);
+  const known = useQuery({
+    queryKey: ["detail", hook, asked],
+    queryFn:
+      store === null || asked === null
+        ? skipToken
+        : async () => {
+            const [of = "", from, to] = asked.split(" ");
+            return { of, detail: await readDetail(store.source, { from: Number(from), to: Number(to) }) };
+          },
+    staleTime: Infinity,
+    gcTime: KEPT,
+    structuralSharing: false,
+    placeholderData: keepPreviousData,
+    refetchInterval: ({ state }) => (state.data?.detail === null ? RETRY_PERIOD : false),
+  }).data;
+  // Nothing recorded there, or no answer: the whole is shown as it is.
+  return asked !== null && known?.of === run ? known.detail : null;
 }

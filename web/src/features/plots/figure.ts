@@ -7,7 +7,7 @@ import type { PhaseSpan } from "../../source/series";
 import { escaped, FIGURE_FONT } from "../../ui/export/figure-file";
 import { decimalsOf, fixed } from "../../units/units";
 import type { Level } from "./plot-set";
-import type { Range } from "./timeview";
+import type { Range } from "../../source/source";
 
 export interface FigureCurve {
   /** In the legend. */

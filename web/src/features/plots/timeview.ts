@@ -1,12 +1,8 @@
 /** The stretch of time that all plots show: it follows the mission, or stands where a person has zoomed. */
+import type { Range } from "../../source/source";
 import { clock, decimalsOf, fixed } from "../../units/units";
 
-export interface Range {
-  readonly from: number;
-  readonly to: number;
-}
-
-/** Seconds that are followed; 0 is the whole mission, but for an idle time before it. */
+/** The last seconds that are shown; 0 is the whole mission, but for an idle time before it. */
 export type Window = 0 | 10 | 30;
 
 const SHORTEST = 0.02;

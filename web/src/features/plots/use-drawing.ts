@@ -1,15 +1,14 @@
 /** Draws all plots from the browser's animation frames, when there is something new and time to spare. */
 import { useCallback, useEffect, useRef, type RefObject } from "react";
+import type { Series } from "../../source/series";
 import { useStore } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
 import { clock } from "../../units/units";
-import type { Player } from "../replay/player";
+import { comparedWith, useComparison, type Compared, type Comparison } from "./compared";
+import { seriesFor, type Detail } from "./detail";
 import { Pace } from "./pace";
 import type { DrawPlot, PlotFrame } from "./Plot";
-import { useCompared, type Compared } from "./compared";
-import { seriesFor, type Detail } from "./detail";
-import type { Known } from "./plot-set";
-import { rangeOf, type Range, type TimeView } from "./timeview";
+import { rangeOf, type TimeView } from "./timeview";
 
 interface Drawing {
   /** Adds a plot; the returned function takes it away. */
@@ -18,7 +17,7 @@ interface Drawing {
   readonly touch: () => void;
 }
 
-/** What was asked for more finely than the whole of a recording shows it. */
+/** What was asked for more finely than the whole shows it. */
 export interface Details {
   readonly own: Detail | null;
   readonly compared: Detail | null;
@@ -27,76 +26,66 @@ export interface Details {
 interface Shown {
   readonly view: TimeView;
   readonly details: Details;
-  readonly config: Known["config"];
-  readonly player: Player | null;
-  readonly compared: Compared | null;
+  readonly comparison: Comparison | null;
 }
 
-/** The second recording as finely as there is, in its own clock. */
-function comparedFor(compared: Compared | null, detail: Detail | null, { from, to }: Range): Compared | null {
-  if (compared === null) return null;
-  const { shift, series } = compared;
-  return { ...compared, series: seriesFor(detail, { from: from - shift, to: to - shift }, series) };
-}
+const endOf = (series: Series): number => series.at("time", series.length - 1) || 0;
 
-function frameOf(store: MissionStore, { view, details, config, player, compared }: Shown): PlotFrame {
-  const { series } = store;
-  const { snapshot } = store.read();
-  const end = (of: MissionStore["series"]): number => of.at("time", of.length - 1) || 0;
-  const now = Math.max(end(series), compared === null ? 0 : end(compared.series) + compared.shift);
+function frameOf(store: MissionStore, { view, details, comparison }: Shown): PlotFrame {
+  const { series, source } = store;
+  const { snapshot, config, touches } = store.read();
+  const other = comparison && comparedWith(series, comparison.store.series, comparison.align);
+  const now = Math.max(endOf(series), other === null ? 0 : endOf(other.series) + other.shift);
   const range = rangeOf(view, now, series.firstMotion);
+  const compared: Compared | null = other && {
+    shift: other.shift,
+    series: seriesFor(details.compared, { from: range.from - other.shift, to: range.to - other.shift }, other.series),
+  };
   return {
     series: seriesFor(details.own, range, series),
     whole: series,
-    compared: comparedFor(compared, details.compared, range),
+    compared,
     range,
     known: { snapshot, config },
-    decorations: { phases: series.phaseSpans(), touches: snapshot?.contacts ?? store.touches, moment: player?.read().time ?? null },
+    decorations: { phases: series.phaseSpans(), touches, moment: source.playback?.read().time ?? null },
   };
 }
 
-interface Shared {
-  readonly details: Details;
-  /** The configuration of what is shown. */
-  readonly config: Known["config"];
-  /** Of a replay. */
-  readonly player: Player | null;
-}
-
 /** @param time shows the mission time under the cursor. */
-export function useDrawing(view: TimeView, { details, config, player }: Shared, time: RefObject<HTMLElement | null>): Drawing {
+export function useDrawing(view: TimeView, details: Details, time: RefObject<HTMLElement | null>): Drawing {
   const store = useStore();
-  const compared = useCompared();
+  const comparison = useComparison();
   const draws = useRef(new Set<DrawPlot>());
   const dirty = useRef(true);
 
   useEffect(() => {
     const pace = new Pace();
+    const version = (): number => store.series.version + (comparison?.store.series.version ?? 0);
     let drawn = -1;
     let request = 0;
     dirty.current = true;
     const frame = (now: number): void => {
       request = requestAnimationFrame(frame);
-      const news = store.series.version !== drawn && view.pausedAt === null;
+      const news = version() !== drawn && view.pausedAt === null;
       if (!(news || dirty.current) || !pace.due(now) || time.current?.checkVisibility() === false) return;
       const begun = performance.now();
       dirty.current = false;
-      drawn = store.series.version;
-      const content = frameOf(store, { view, details, config, player, compared });
+      drawn = version();
+      const content = frameOf(store, { view, details, comparison });
       let moment: number | null = null;
       for (const draw of draws.current) moment = draw(content) ?? moment;
       if (time.current) time.current.textContent = moment === null ? "" : `at ${clock(moment)}`;
       pace.drew(now, performance.now() - begun);
     };
     request = requestAnimationFrame(frame);
-    const withdraw = player?.subscribe(() => {
+    const withdraw = store.source.playback?.subscribe(() => {
       dirty.current = true;
     });
     return () => {
       withdraw?.();
       cancelAnimationFrame(request);
     };
-  }, [store, view, details, config, time, player, compared]);
+  }, [store, view, details, time, comparison]);
 
   const touch = useCallback(() => {
     dirty.current = true;

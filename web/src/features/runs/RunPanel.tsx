@@ -5,7 +5,7 @@ import { Term } from "../glossary/Term";
 import { hashOf } from "../../store/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
-import { useSnapshot } from "../../store/context";
+import { useSnapshot, useView } from "../../store/context";
 import { Icon, type Sign } from "../../ui/theme/Icon";
 import { lookOf } from "../glossary/class-style";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
@@ -67,13 +67,13 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
 
 export function RunPanel() {
   const outcome = useSnapshot((snapshot) => snapshot.outcome);
-  const contacts = useSnapshot((snapshot) => snapshot.contacts) ?? [];
+  const touches = useView((view) => view.touches);
   const run = useSnapshot((snapshot) => snapshot.run_id);
   const recorded = useSnapshot((snapshot) => snapshot.tick > 0) ?? false;
   return (
     <Panel title={outcome ? "How it ended" : "This run"} dated="robot">
       {outcome && <Ending outcome={outcome} />}
-      <TouchTable touches={contacts} />
+      <TouchTable touches={touches} />
       {run !== null && recorded && (
         <div className={styles.downloads}>
           <a href={hashOf({ page: "runs", item: run })}>In the library</a>

@@ -1,11 +1,9 @@
 /** The 3D view, served by the same service; keys pressed in it reach STOP too (src/stop/key.ts). */
 import { ActionIcon, Tooltip } from "@mantine/core";
-import { useEffect, useState } from "react";
-import { changeScene, readScene } from "../../api/service";
-import type { SceneView } from "../../api/types";
-import { useView } from "../../store/context";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import type { SceneChange } from "../../api/types";
+import { useStore, useView } from "../../store/context";
 import { Icon } from "../../ui/theme/Icon";
-import { usePageVisible } from "../../ui/use-page-visible";
 import { useReasonByRole } from "../access/session";
 import { sceneAddress, useDetail, type DetailChoice } from "./detail";
 import { SceneChoices } from "./SceneChoices";
@@ -15,33 +13,22 @@ import styles from "./ScenePanel.module.css";
 /** Milliseconds between two looks at what others have chosen. */
 const LOOK_PERIOD = 3000;
 
-const same = (one: SceneView | null, other: SceneView): boolean => JSON.stringify(one) === JSON.stringify(other);
-
-/** How the live scene stands; it is the same for all browsers, whoever of them chose it. */
-function useLiveArrangement(connection: number): SceneView | null {
-  const [arrangement, setArrangement] = useState<SceneView | null>(null);
-  const visible = usePageVisible();
-  useEffect(() => {
-    if (connection === 0 || !visible) return undefined;
-    const look = (): void => {
-      // Without an answer the choices stay as they are; the next look asks again.
-      readScene().then((found) => { setArrangement((before) => (same(before, found) ? before : found)); }, () => undefined);
-    };
-    look();
-    const timer = setInterval(look, LOOK_PERIOD);
-    return () => {
-      clearInterval(timer);
-    };
-  }, [connection, visible]);
-  return arrangement;
-}
-
-function LiveChoices({ connection }: { readonly connection: number }) {
-  const arrangement = useLiveArrangement(connection);
-  const against = useReasonByRole("operator");
-  if (arrangement === null) return null;
-  // What the service refuses is shown by the scene staying as it is.
-  return <SceneChoices view={arrangement} against={against} onChange={(change) => void changeScene(change).catch(() => undefined)} />;
+/** The camera and the layers of that page; the live scene has the same for all browsers, whoever of them chose. */
+function Arrangement({ page }: { readonly page: string }) {
+  const { scene } = useStore().source;
+  const connections = useView((view) => view.connections);
+  const queryKey = ["scene", page, connections];
+  const { data } = useQuery({ queryKey, queryFn: () => scene.read(), refetchInterval: LOOK_PERIOD });
+  const client = useQueryClient();
+  const byRole = useReasonByRole(scene.changeNeeds ?? "viewer");
+  const disabledReason = scene.changeNeeds === null ? null : byRole;
+  if (data === undefined) return null;
+  const change = async (next: SceneChange): Promise<void> => {
+    // What the service refuses is shown by the scene staying as it is.
+    await scene.change(next).catch(() => undefined);
+    await client.invalidateQueries({ queryKey });
+  };
+  return <SceneChoices view={data} against={disabledReason} onChange={(next) => void change(next)} />;
 }
 
 function DetailSwitch({ detail, choose, byItself }: DetailChoice) {
@@ -65,30 +52,34 @@ function DetailSwitch({ detail, choose, byItself }: DetailChoice) {
   );
 }
 
-export function ScenePanel() {
-  const begun = useView((view) => view.snapshot !== null);
-  const old = useView((view) => view.trust === "stale" || view.trust === "preparing" || view.robotAge > 0);
-  const connection = useView((view) => view.connections);
+/** Why there is no scene (yet). */
+function Empty() {
+  const ended = useView((view) => view.ended);
   const preparing = useView((view) => view.trust === "preparing");
-  const detail = useDetail();
+  const words = ended ?? (preparing ? "The scene appears when the controller is ready." : "The scene appears when the service answers.");
+  return (
+    <p className={styles.empty} role={ended === null ? undefined : "alert"}>
+      {words}
+    </p>
+  );
+}
 
+export function ScenePanel() {
+  const page = useView((view) => (view.ended === null ? view.scene : null));
+  const old = useView((view) => view.trust === "stale" || view.trust === "preparing" || view.robotAge > 0);
+  const detail = useDetail();
   return (
     <section className={styles.scene} aria-label="Scene">
-      {begun && (
-        <SceneFrame
-          address={sceneAddress("/scene/", detail.detail)}
-          detail={detail.detail}
-          title="3D view of robot and target"
-        />
+      {page === null ? (
+        <Empty />
+      ) : (
+        <>
+          <SceneFrame address={sceneAddress(page, detail.detail)} detail={detail.detail} title="3D view of robot and target" />
+          <Arrangement key={page} page={page} />
+          <DetailSwitch {...detail} />
+          {old && <div className={styles.veil} aria-hidden="true" />}
+        </>
       )}
-      {!begun && (
-        <p className={styles.empty}>
-          {preparing ? "The scene appears when the controller is ready." : "The scene appears when the service answers."}
-        </p>
-      )}
-      {begun && <LiveChoices key={connection} connection={connection} />}
-      {begun && <DetailSwitch {...detail} />}
-      {begun && old && <div className={styles.veil} aria-hidden="true" />}
     </section>
   );
 }

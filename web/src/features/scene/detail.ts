@@ -1,5 +1,4 @@
 /** How finely scenes are drawn in this browser. */
-import { addressOf } from "../../api/address";
 import { useKept } from "../../ui/use-kept";
 
 /** `light` draws a quarter of the pixels, without environment map and shadows. */
@@ -32,7 +31,7 @@ function usualDetail(): Detail {
   return usual;
 }
 
-export const sceneAddress = (scene: `/${string}`, detail: Detail): string => addressOf(scene) + (detail === "light" ? "?light" : "");
+export const sceneAddress = (scene: string, detail: Detail): string => scene + (detail === "light" ? "?light" : "");
 
 export interface DetailChoice {
   readonly detail: Detail;

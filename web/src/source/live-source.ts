@@ -1,10 +1,16 @@
 /** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
-import { socketAddress } from "../api/address";
-import type { History, MissionEvent, MissionSnapshot } from "../api/types";
+import { addressOf, socketAddress } from "../api/address";
+import { changeScene, readEvents, readHistory, readScene, readTicks } from "../api/service";
+import type { MissionEvent, MissionSnapshot } from "../api/types";
 import { waitBefore } from "./backoff";
 import type { Table } from "./columns";
 import { samplesOfTable, type Sample } from "./quantities";
-import type { Sink, Source } from "./source";
+import { readFinely } from "./read-finely";
+import type { Range, SceneArrangement, Sink, Source } from "./source";
+
+/** Snapshots a second at most. */
+const RATE = 60;
+const SCENE = addressOf("/scene/");
 
 /** Milliseconds between two looks whether anything has come. */
 const CHECK_PERIOD = 250;
@@ -15,6 +21,12 @@ const SILENT_CHECKS = 12;
 const GAP = 0.1;
 /** Milliseconds between two such questions. */
 const BACKFILL_PERIOD = 500;
+/** Milliseconds between two looks at the extremes of what was left out. */
+const EXTREMES_PERIOD = 5000;
+/** Rows told from which on the whole history is asked for again: it is shorter and has every extreme. */
+const MANY = 10_000;
+/** Seconds behind the newest tick within which a run in progress may not be on disk yet. */
+const ON_DISK = 2;
 
 type Frame =
   | { type: "hello"; service: string; service_time: number }
@@ -43,18 +55,52 @@ export interface Socket {
 
 export interface LiveSourceOptions {
   readonly connect: () => Socket;
-  readonly readHistory: (since: number) => Promise<History>;
+  readonly readHistory: typeof readHistory;
+  readonly readEvents: typeof readEvents;
+  readonly readTicks: typeof readTicks;
 }
 
+/** The service's telemetry socket. */
+const connect = (): Socket => new WebSocket(socketAddress(`/api/v1/telemetry?rate=${RATE}`)) as Socket;
+
+const SERVICE: LiveSourceOptions = { connect, readHistory, readEvents, readTicks };
+
 export class LiveSource implements Source {
-  constructor(private readonly options: LiveSourceOptions) {}
+  readonly playback = null;
+  readonly refreshPeriod = EXTREMES_PERIOD;
+  readonly scene: SceneArrangement = {
+    changeNeeds: "operator",
+    read: readScene,
+    change: async (change) => {
+      await changeScene(change);
+    },
+  };
+  private readonly options: LiveSourceOptions;
+  private connection: Connection | null = null;
+
+  constructor(options: Partial<LiveSourceOptions> = {}) {
+    this.options = { ...SERVICE, ...options };
+  }
 
   open(sink: Sink): () => void {
     const connection = new Connection(this.options, sink);
+    this.connection = connection;
     connection.start();
     return () => {
       connection.end();
+      this.connection = null;
     };
+  }
+
+  /** Puts the extremes of every piece of time in place of the snapshots, which leave ticks out. */
+  async refresh(): Promise<void> {
+    await this.connection?.takeExtremes();
+  }
+
+  /** Of the run on disk, which is a little behind. */
+  async readRange(range: Range): Promise<readonly Sample[] | null> {
+    const { run, lastTime } = this.connection ?? { run: "", lastTime: Number.NaN };
+    return run !== "" && range.to < lastTime - ON_DISK ? readFinely(this.options.readTicks, run, range) : null;
   }
 }
 
@@ -62,7 +108,7 @@ class Connection {
   private socket: Socket | null = null;
   private attempt = 0;
   /** The run whose mission is told. */
-  private run = "";
+  run = "";
   private coming: Coming | null = null;
   private ended = false;
   private retry: ReturnType<typeof setTimeout> | undefined;
@@ -70,10 +116,16 @@ class Connection {
   private silentChecks = 0;
   /** Of the newest snapshot, on the service's clock. */
   private shownUntil = -Infinity;
-  private lastTime = Number.NaN;
+  /** Mission time of the newest snapshot; NaN before the first one of a connection. */
+  lastTime = Number.NaN;
   private gapSince: number | null = null;
   private lastTick = -1;
   private lastBackfillAt = 0;
+  /** Whether the library may know events that were not sent: of a page that joined late, or missed some. */
+  private eventsMissing = true;
+  /** Rows told since the whole history was, and the last tick whose extremes are known. */
+  private rows = 0;
+  private extremesUntil = -1;
 
   constructor(
     private readonly options: LiveSourceOptions,
@@ -104,6 +156,7 @@ class Connection {
       this.lastTime = Number.NaN;
       this.shownUntil = -Infinity; // another service may have another clock
       this.coming = null;
+      this.eventsMissing = true;
       this.sink.link({ state: "open" });
     };
     socket.onmessage = (message) => {
@@ -147,11 +200,11 @@ class Connection {
         this.takeSnapshot(frame);
         break;
       case "event":
-        if (this.coming === null) this.sink.event(frame);
+        if (this.coming === null) this.sink.events([frame]);
         else this.coming.events.push(frame);
         break;
       case "missed":
-        this.sink.missed();
+        this.eventsMissing = true;
         break;
       case "history":
         if (frame.run_id === this.run) this.sink.history(samplesOfTable(frame));
@@ -175,8 +228,11 @@ class Connection {
     if (this.coming !== null && snapshot.run_id === this.run && this.coming.run !== this.run) return;
     this.shownUntil = snapshot.service_time;
     if (snapshot.run_id !== this.run) this.begin(snapshot.run_id);
+    this.sink.touches(snapshot.contacts);
     this.sink.snapshot(snapshot);
+    this.rows += 1;
     this.noticeGap(snapshot);
+    if (this.eventsMissing) this.askForEvents();
   }
 
   /** Shows another run, with all that came of it before its first snapshot. */
@@ -189,8 +245,38 @@ class Connection {
     this.lastTime = coming?.history ? Number.NaN : 0;
     this.lastTick = -1;
     this.gapSince = null;
+    this.rows = 0;
+    this.extremesUntil = -1;
+    this.eventsMissing = true;
+    this.sink.run({ id: run, title: `Run ${run}, in progress` });
+    this.sink.scene(SCENE);
     if (coming?.history) this.sink.history(coming.history);
-    for (const event of coming?.events ?? []) this.sink.event(event);
+    this.sink.events(coming?.events ?? []);
+  }
+
+  /** Reads what the library has; if it does not answer, the next connection asks again. */
+  private askForEvents(): void {
+    const run = this.run;
+    this.eventsMissing = false;
+    this.options.readEvents(run).then(
+      (events) => {
+        if (run === this.run) this.sink.events(events);
+      },
+      () => undefined,
+    );
+  }
+
+  /** @throws Refusal */
+  async takeExtremes(): Promise<void> {
+    if (this.run === "") return;
+    const since = this.rows > MANY || this.extremesUntil > this.lastTick ? -1 : this.extremesUntil;
+    const history = await this.options.readHistory(since);
+    // A reset meanwhile: this is the history of another mission than the one that is shown.
+    if (history.run_id !== this.run) return;
+    const samples = samplesOfTable(history);
+    this.rows = since === -1 ? samples.length : this.rows + samples.length;
+    this.extremesUntil = samples.at(-1)?.tick ?? this.extremesUntil;
+    this.sink.history(samples);
   }
 
   /** Dropped frames, a sleeping tab or a simulation much faster than real time leave holes that the history fills. */
@@ -213,10 +299,4 @@ class Connection {
       },
     );
   }
-}
-
-
-/** The service's telemetry socket, at up to that many snapshots a second. */
-export function telemetrySocket(rate: number): Socket {
-  return new WebSocket(socketAddress(`/api/v1/telemetry?rate=${rate}`)) as Socket;
 }

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { MissionEvent } from "../api/types";
 import { waitBefore } from "./backoff";
-import { LiveSource, type Socket } from "./live";
+import { LiveSource, type Socket } from "./live-source";
 import type { Link, Sink } from "./source";
 
 class FakeSocket implements Socket {
@@ -22,20 +23,25 @@ class FakeSocket implements Socket {
 
 function recordingSink() {
   const links: Link[] = [];
+  const runs: string[] = [];
   const calls: string[] = [];
   const sink: Sink = {
     link: (link) => links.push(link),
+    run: ({ id }) => runs.push(id),
+    config: () => undefined,
     history: (samples) => calls.push(`history ${samples.length}`),
     snapshot: (snapshot) => calls.push(`snapshot ${snapshot.tick}`),
-    event: (event) => calls.push(`event ${event.message}`),
+    touches: () => undefined,
+    scene: () => undefined,
+    ended: (why) => calls.push(`ended ${why}`),
+    events: (events) => calls.push(...events.map(({ message }) => `event ${message}`)),
     heard: () => undefined,
-    missed: () => calls.push("missed"),
     reset: () => calls.push("reset"),
   };
-  return { links, calls, sink };
+  return { links, runs, calls, sink };
 }
 
-const emptyHistory = { run_id: "a", columns: [], rows: [] };
+const emptyHistory = { run_id: "a", columns: [] as { name: string; unit: string }[], rows: [] as number[][] };
 
 /** As the service stamps them: by default as late as their mission time. */
 const snapshot = (tick: number, run_id = "a", service_time = tick / 1000) => ({ type: "snapshot", tick, time: tick / 1000, run_id, service_time });
@@ -48,10 +54,13 @@ function opened() {
     sockets.push(socket);
     return socket;
   };
+  const readEvents = vi.fn((): Promise<MissionEvent[]> => Promise.resolve([]));
+  const readTicks = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1], [2]] }));
   const recorded = recordingSink();
-  const end = new LiveSource({ connect, readHistory }).open(recorded.sink);
+  const source = new LiveSource({ connect, readHistory, readEvents, readTicks });
+  const end = source.open(recorded.sink);
   sockets[0]?.onopen?.();
-  return { ...recorded, sockets, readHistory, end };
+  return { ...recorded, sockets, source, readHistory, readEvents, readTicks, end };
 }
 
 describe("live telemetry", () => {
@@ -68,8 +77,7 @@ describe("live telemetry", () => {
     sockets[0]?.tell({ type: "history", ...emptyHistory });
     sockets[0]?.tell(snapshot(3));
     sockets[0]?.tell({ type: "event", message: "touch" });
-    sockets[0]?.tell({ type: "missed", events: 3 });
-    expect(calls).toEqual(["history 0", "snapshot 3", "event touch", "missed"]);
+    expect(calls).toEqual(["history 0", "snapshot 3", "event touch"]);
   });
 
   it("shows one run whole until the first snapshot of the next one", () => {
@@ -115,6 +123,55 @@ describe("live telemetry", () => {
     expect(readHistory).toHaveBeenCalledWith(-1);
   });
 
+  it("names the run that it tells of", () => {
+    const { sockets, runs } = opened();
+    sockets[0]?.tell(snapshot(900));
+    sockets[0]?.tell(snapshot(1, "b", 2));
+    expect(runs).toEqual(["a", "b"]);
+  });
+
+  it("reads the events of the run from the library: when it joins, and when it missed some", async () => {
+    const { sockets, calls, readEvents } = opened();
+    readEvents.mockResolvedValueOnce([{ message: "before" } as MissionEvent]);
+    sockets[0]?.tell(snapshot(900));
+    await vi.waitFor(() => {
+      expect(calls).toContain("event before");
+    });
+    sockets[0]?.tell(snapshot(901));
+    expect(readEvents).toHaveBeenCalledExactlyOnceWith("a");
+    sockets[0]?.tell({ type: "missed", events: 3 });
+    sockets[0]?.tell(snapshot(902));
+    expect(readEvents).toHaveBeenCalledTimes(2);
+  });
+});
+
+describe("what is asked of a live source", () => {
+  it("takes the extremes since those it knows, of this run only", async () => {
+    const { sockets, source, calls, readHistory } = opened();
+    await source.refresh(); // nothing is told yet
+    expect(readHistory).not.toHaveBeenCalled();
+    sockets[0]?.tell(snapshot(10));
+    readHistory.mockResolvedValueOnce({ run_id: "a", columns: [{ name: "mission.tick", unit: "1" }], rows: [[4], [8]] });
+    await source.refresh();
+    expect(readHistory).toHaveBeenLastCalledWith(-1);
+    expect(calls.at(-1)).toBe("history 2");
+    readHistory.mockResolvedValueOnce({ run_id: "another", columns: [], rows: [[1]] });
+    await source.refresh();
+    expect(readHistory).toHaveBeenLastCalledWith(8);
+    expect(calls.at(-1)).toBe("history 2");
+  });
+
+  it("reads a stretch once it is on disk", async () => {
+    const { sockets, source, readTicks } = opened();
+    sockets[0]?.tell(snapshot(10_000));
+    expect(await source.readRange({ from: 7, to: 9 })).toBeNull();
+    expect(await source.readRange({ from: 5, to: 7 })).toHaveLength(2);
+    expect(readTicks).toHaveBeenCalledExactlyOnceWith("a", expect.any(Number), { from: 5, to: 7 });
+  });
+
+  it("always shows the present", () => {
+    expect(opened().source.playback).toBeNull();
+  });
 });
 
 describe("a connection", () => {

@@ -1,11 +1,10 @@
-/** A recorded run at the service: moments asked for, snapshots told, and the address of its scene. */
-import { socketAddress } from "../../api/address";
-import type { MissionSnapshot, SceneChange, SceneView } from "../../api/types";
+/** A stored run replayed by the service: moments asked for, snapshots told, and a scene of its own. */
+import { addressOf, socketAddress } from "../api/address";
+import type { MissionSnapshot, SceneChange, SceneView } from "../api/types";
 
-export interface Opened extends SceneView {
-  /** The page, a path of the service. */
+interface Opened extends SceneView {
+  /** A path of the service. */
   readonly scene: `/${string}`;
-  readonly end: number;
 }
 
 type Frame =
@@ -14,20 +13,28 @@ type Frame =
   | { type: "refused"; problem: { detail: string; tip: string } }
   | { type: "invalid"; detail: string };
 
-export interface ScreeningEvents {
-  readonly opened: (opened: Opened) => void;
+export interface ReplayEvents {
+  readonly opened: (address: string, view: SceneView) => void;
   readonly snapshot: (snapshot: MissionSnapshot) => void;
   /** It cannot be shown, or not any more, and why. */
   readonly ended: (why: string) => void;
 }
 
-export class Screening {
+/** What a source needs of a session. */
+export interface Replay {
+  /** Asks for a moment [s]; while one is on its way only the latest is kept. */
+  show(time: number): void;
+  arrange(change: SceneChange): void;
+  close(): void;
+}
+
+export class ReplaySession implements Replay {
   private readonly socket: WebSocket;
   private wanted: number | null = null;
   private waiting = true;
   private refusal = "";
 
-  constructor(run: string, events: ScreeningEvents) {
+  constructor(run: string, events: ReplayEvents) {
     this.socket = new WebSocket(socketAddress(`/api/v1/runs/${encodeURIComponent(run)}/playback`));
     this.socket.onmessage = (message) => {
       this.take(JSON.parse(String(message.data)) as Frame, events);
@@ -37,7 +44,6 @@ export class Screening {
     };
   }
 
-  /** Asks for a moment [s]; while one is on its way only the last wish is kept. */
   show(time: number): void {
     this.wanted = time;
     this.ask();
@@ -59,9 +65,12 @@ export class Screening {
     this.wanted = null;
   }
 
-  private take(frame: Frame, events: ScreeningEvents): void {
+  private take(frame: Frame, events: ReplayEvents): void {
     if (frame.type === "refused") this.refusal = `${frame.problem.detail}. ${frame.problem.tip}`;
-    if (frame.type === "opened") events.opened(frame);
+    if (frame.type === "opened") {
+      const { scene, camera, cameras, layers } = frame;
+      events.opened(addressOf(scene), { camera, cameras, layers });
+    }
     if (frame.type === "snapshot") events.snapshot(frame);
     this.waiting = false;
     this.ask();

@@ -1,17 +1,23 @@
 import { describe, expect, it, vi } from "vitest";
-import { Player } from "./player";
+import { Playback } from "./playback";
 
-const player = () => new Player(10, 0.001);
+const playbackOf = (end: number, firstMotion = 0): Playback => {
+  const playback = new Playback();
+  playback.extend({ end, period: 0.001, firstMotion });
+  return playback;
+};
 
-describe("the clock of a replay", () => {
+const player = (): Playback => playbackOf(10);
+
+describe("a playback", () => {
   it("passes at the chosen speed and stops at the end", () => {
     const clock = player();
-    clock.choose(2);
+    clock.setSpeed(2);
     clock.play();
     clock.advance(1500);
-    expect(clock.read()).toEqual({ time: 3, playing: true, speed: 2 });
+    expect(clock.read()).toEqual({ time: 3, playing: true, speed: 2, end: 10 });
     clock.advance(60_000);
-    expect(clock.read()).toEqual({ time: 10, playing: false, speed: 2 });
+    expect(clock.read()).toEqual({ time: 10, playing: false, speed: 2, end: 10 });
   });
 
   it("stands still unless it plays", () => {
@@ -20,7 +26,7 @@ describe("the clock of a replay", () => {
     expect(clock.read().time).toBe(0);
   });
 
-  it("begins anew when played from the end", () => {
+  it("plays from the start again when it stands at the end", () => {
     const clock = player();
     clock.seek(10);
     clock.play();
@@ -42,13 +48,13 @@ describe("the clock of a replay", () => {
     const clock = player();
     clock.seek(12);
     expect(clock.read().time).toBe(10);
-    clock.extend(20);
+    clock.extend({ end: 20, period: 0.001, firstMotion: 0 });
     clock.seek(12);
     expect(clock.read().time).toBe(12);
   });
 
-  it("opens a second before the first motion, and plays anew from there; what comes before is a drag away", () => {
-    const clock = new Player(40, 0.001, 31.2);
+  it("opens a second before the first motion, and plays from there again; what comes before is a drag away", () => {
+    const clock = playbackOf(40, 31.2);
     expect(clock.read().time).toBeCloseTo(30.2, 3);
     clock.seek(40);
     clock.play();

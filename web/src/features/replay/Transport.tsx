@@ -1,0 +1,71 @@
+/** The controls of a playback: play, step, drag, speed. */
+import { ActionIcon, Button, Slider } from "@mantine/core";
+import { useEffect, useSyncExternalStore } from "react";
+import { SPEEDS, type Playback } from "../../source/playback";
+import { Choice } from "../../ui/Choice";
+import { Icon } from "../../ui/theme/Icon";
+import { clock } from "../../units/units";
+import styles from "./ReplayPanel.module.css";
+
+/** Moves the playback with the browser's frames. */
+function useFrames(playback: Playback): void {
+  useEffect(() => {
+    let before = performance.now();
+    let request = 0;
+    const frame = (now: number): void => {
+      request = requestAnimationFrame(frame);
+      playback.advance(now - before);
+      before = now;
+    };
+    request = requestAnimationFrame(frame);
+    return () => {
+      cancelAnimationFrame(request);
+    };
+  }, [playback]);
+}
+
+function Step({ playback, ticks, label, sign }: { readonly playback: Playback; readonly ticks: number; readonly label: string; readonly sign: "back" | "step" }) {
+  return (
+    <ActionIcon aria-label={label} title={label} onClick={() => { playback.step(ticks); }}>
+      <Icon sign={sign} />
+    </ActionIcon>
+  );
+}
+
+export function Transport({ playback }: { readonly playback: Playback }) {
+  const { time, playing, speed, end } = useSyncExternalStore(playback.subscribe, playback.read);
+  useFrames(playback);
+  return (
+    <div className={styles.transport} role="group" aria-label="Replay">
+      <Button size="compact-sm" leftSection={<Icon sign={playing ? "pause" : "play"} />} onClick={() => { if (playing) playback.pause(); else playback.play(); }}>
+        {playing ? "Pause" : "Play"}
+      </Button>
+      {playback.start > 0 && (
+        <Button size="compact-sm" title={`Nothing moves before ${clock(playback.firstMotion)}`} onClick={() => { playback.seek(playback.start); }}>
+          First motion
+        </Button>
+      )}
+      <Step playback={playback} ticks={-1} label="One tick back" sign="back" />
+      <Step playback={playback} ticks={1} label="One tick on" sign="step" />
+      <Slider
+        className={styles.scrubber ?? ""}
+        size="sm"
+        thumbLabel="Moment of the run"
+        thumbProps={{ "aria-valuetext": clock(time) }}
+        label={null}
+        min={0}
+        max={end}
+        step={playback.period}
+        value={time}
+        onChange={(value) => { playback.seek(value); }}
+      />
+      <output className={styles.time}>{clock(time)}</output>
+      <Choice
+        aria-label="Speed of the replay"
+        value={String(speed)}
+        data={SPEEDS.map((value) => ({ value: String(value), label: `${value} ×` }))}
+        onChange={(value) => { playback.setSpeed(Number(value)); }}
+      />
+    </div>
+  );
+}
