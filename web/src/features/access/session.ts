@@ -1,10 +1,13 @@
 /** Who uses this page, and what they may do. */
-import { createContext, useCallback, useContext, useEffect, useState } from "react";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { createContext, useContext } from "react";
 import { readSession } from "../../api/service";
 import type { Role, Session } from "../../api/types";
 
 /** Milliseconds between two looks whether the token still holds. */
 const LOOK_PERIOD = 5000;
+
+const SESSION = ["session"];
 
 const ORDER: readonly Role[] = ["viewer", "operator", "admin"];
 
@@ -18,20 +21,19 @@ export const AccessContext = createContext<Access>({ session: null, setSession: 
 
 /** Asks who one is, and goes on asking where a token may be revoked; a service that does not answer changes nothing. */
 export function useAccessState(): Access {
-  const [session, setSession] = useState<Session | null>(null);
-  const look = useCallback(() => {
-    readSession().then(setSession, () => undefined);
-  }, []);
-  const settled = session?.token_needed === false;
-  useEffect(() => {
-    look();
-    if (settled) return undefined;
-    const timer = setInterval(look, LOOK_PERIOD);
-    return () => {
-      clearInterval(timer);
-    };
-  }, [look, settled]);
-  return { session, setSession };
+  const client = useQueryClient();
+  const { data } = useQuery({
+    queryKey: SESSION,
+    queryFn: readSession,
+    refetchInterval: ({ state }) => (state.data?.token_needed === false ? false : LOOK_PERIOD),
+    refetchIntervalInBackground: true,
+  });
+  return {
+    session: data ?? null,
+    setSession: (session) => {
+      client.setQueryData(SESSION, session);
+    },
+  };
 }
 
 export const useAccess = (): Access => useContext(AccessContext);

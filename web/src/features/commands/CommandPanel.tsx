@@ -1,10 +1,9 @@
 /** The panel of commands. */
-import { useEffect, useId, useState } from "react";
+import { useId, useState } from "react";
 import { Panel } from "../../ui/Panel";
 import { useKept } from "../../ui/use-kept";
-import { readNamedConfigurations } from "../../api/service";
-import type { NamedConfiguration } from "../../api/types";
-import { useSnapshot, useView } from "../../store/context";
+import { useNamedConfigurations } from "../../store/configuration";
+import { useSnapshot } from "../../store/context";
 import { useWhatIsLost } from "../mission/lost";
 import { Choice } from "../../ui/Choice";
 import { AnswerLine } from "./AnswerLine";
@@ -12,17 +11,6 @@ import { CAPTURE, RESET, SEQUENCE } from "./catalogue";
 import { CommandButton } from "./CommandButton";
 import styles from "./CommandPanel.module.css";
 import { SimulationControls } from "./SimulationControls";
-
-/** The named configurations, asked for again with each connection. */
-function useNamedConfigurations(): readonly NamedConfiguration[] {
-  const [configurations, setConfigurations] = useState<readonly NamedConfiguration[]>([]);
-  const open = useView((view) => view.link.state === "open");
-  useEffect(() => {
-    // Without an answer the choice stays as it is, and the link's own notice says why.
-    if (open) readNamedConfigurations().then(setConfigurations, () => undefined);
-  }, [open]);
-  return configurations;
-}
 
 function ResetRow() {
   const configurations = useNamedConfigurations();

@@ -1,6 +1,7 @@
 /** Who is in control, at the top of every page, and how that changes. */
 import { Button } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 import { ConfirmButton } from "../../ui/ConfirmButton";
 import { useDoing, type Doing } from "../../api/use-doing";
 import { changeControl, readControl } from "../../api/service";
@@ -22,12 +23,9 @@ interface ActionsProps {
 
 /** Whom it may be handed over to: asked for when the choice is opened. */
 function useOthers(me: string): readonly string[] {
-  const [operators, setOperators] = useState<readonly string[]>([]);
-  useEffect(() => {
-    // Without an answer there is nobody to choose, and the link's own notice says why.
-    readControl().then((status) => { setOperators(status.operators); }, () => undefined);
-  }, []);
-  return operators.filter((name) => name !== me);
+  // Without an answer there is nobody to choose, and the link's own notice says why.
+  const { data } = useQuery({ queryKey: ["control"], queryFn: readControl });
+  return data?.operators.filter((name) => name !== me) ?? [];
 }
 
 function Mine({ control, me, doing }: ActionsProps) {

@@ -1,6 +1,7 @@
 /** Parameters kept by name: chosen, they are staged like any edit; what is in force and staged is kept by a name. */
 import { Button, TextInput } from "@mantine/core";
-import { useCallback, useEffect, useState } from "react";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 import { ConfirmButton } from "../../ui/ConfirmButton";
 import { useDoing } from "../../api/use-doing";
 import { keepPreset, readPresets, removePreset } from "../../api/service";
@@ -18,18 +19,12 @@ interface PresetsProps {
   readonly stage: (preset: Preset) => void;
 }
 
-/** Read with each connection, and again after a change of one's own. */
-function usePresets(): { readonly presets: readonly Preset[]; readonly again: () => void } {
-  const [presets, setPresets] = useState<readonly Preset[]>([]);
-  const open = useView((view) => view.link.state === "open");
-  const again = useCallback(() => {
-    // Without an answer the choice stays as it is, and the link's own notice says why.
-    readPresets().then(setPresets, () => undefined);
-  }, []);
-  useEffect(() => {
-    if (open) again();
-  }, [open, again]);
-  return { presets, again };
+/** Read with each connection, when the list is opened, and again after a change of one's own. */
+function usePresets(): { readonly presets: readonly Preset[]; readonly readAgain: () => void } {
+  const connections = useView((view) => view.connections);
+  // Without an answer the choice stays as it is, and the link's own notice says why.
+  const { data, refetch } = useQuery({ queryKey: ["presets", connections], queryFn: readPresets, placeholderData: keepPreviousData });
+  return { presets: data ?? [], readAgain: () => void refetch() };
 }
 
 /** What becomes of the preset that has this name now. */
@@ -40,18 +35,18 @@ function wordsOf(known: Preset | undefined): string {
 }
 
 export function Presets({ present, stage }: PresetsProps) {
-  const { presets, again } = usePresets();
+  const { presets, readAgain } = usePresets();
   const { doing, waiting, refusal } = useDoing();
   const byRole = useReasonByRole("operator");
   const [name, setName] = useState("");
   const known = presets.find((preset) => preset.name === name.trim());
-  const change = (work: () => Promise<unknown>): void => void doing(() => work().then(again));
+  const change = (work: () => Promise<unknown>): void => void doing(() => work().then(readAgain));
   return (
     <div className={styles.presets}>
       <Choice
         aria-label="Preset to stage"
         value=""
-        onFocus={again}
+        onFocus={readAgain}
         data={[
           { value: "", label: presets.length === 0 ? "No preset kept yet" : "Stage a preset" },
           ...presets.map(({ name, preset, config }) => ({ value: name, label: preset === null ? `${name} (cannot be read)` : name, disabled: config === null })),

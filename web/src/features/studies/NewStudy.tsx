@@ -1,11 +1,11 @@
 /** The form that starts a study: the paper's, or one's own. */
 import { Button, Checkbox, TextInput } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { useState } from "react";
 import { Panel } from "../../ui/Panel";
 import { Refusal } from "../../api/refusal";
-import { readNamedConfigurations, startStudy } from "../../api/service";
+import { startStudy } from "../../api/service";
 import type { StudyEstimate, StudyRequest } from "../../api/types";
-import { useConfiguration } from "../../store/configuration";
+import { useConfiguration, useNamedConfigurations } from "../../store/configuration";
 import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import type { ChoiceOption } from "../../ui/options";
@@ -23,12 +23,9 @@ function usePaths(): ChoiceOption[] {
   return parameters.map(({ path, description, unit }) => ({ value: path, label: `${description} [${unit}]` }));
 }
 
-/** The named configurations of the service; while it has not said them, the one that is chosen. */
+/** The named configurations of the service; while it has not listed them, the one that is chosen. */
 function useConfigurations(chosen: string): readonly string[] {
-  const [names, setNames] = useState<readonly string[]>([]);
-  useEffect(() => {
-    readNamedConfigurations().then((all) => { setNames(all.map(({ name }) => name)); }, () => undefined);
-  }, []);
+  const names = useNamedConfigurations().map(({ name }) => name);
   return names.includes(chosen) ? names : [chosen, ...names];
 }
 

@@ -16,7 +16,7 @@ import { NewStudy } from "./NewStudy";
 import styles from "./StudiesPage.module.css";
 import { StudyResults } from "./StudyResults";
 import { StudyView } from "./StudyView";
-import { isUnderWay, useStudies, useStudy } from "./use-study";
+import { isUnderWay, useReadAgain, useStudies, useStudy } from "./use-study";
 import { span } from "./words";
 
 function progressWords({ status, progress, note }: StudySummary): string {
@@ -41,7 +41,7 @@ function StudyItem({ study, chosen }: { readonly study: StudySummary; readonly c
   );
 }
 
-function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly onChange: () => void }) {
+function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly onChange: () => Promise<void> }) {
   const { doing: asked, refusal } = useDoing();
   const againstDeleting = useReasonByRole("admin");
   const doing = (work: () => Promise<unknown>) => asked(() => work().then(onChange));
@@ -74,21 +74,18 @@ const NO_STUDY = {
 };
 
 export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
-  const [edition, setEdition] = useState(0);
-  const { studies, unreadable, refusal, read } = useStudies(shown, edition);
-  const view = useStudy(shown ? item : "", edition);
+  const { studies, unreadable, refusal, read } = useStudies(shown);
+  const view = useStudy(shown ? item : "");
   const [selection, setSelection] = useState<{ readonly study: string; readonly cell: number } | null>(null);
-  const again = () => {
-    setEdition((before) => before + 1);
-  };
-  const study = view.study?.id === item ? view.study : null;
+  const readAgain = useReadAgain();
+  const study = view.study;
   const missing = item === "" ? null : view.refusal;
   const empty = item === "" || missing !== null ? NO_STUDY : { title: "Reading the study", words: "" };
   const cell = selection?.study === item ? selection.cell : null;
   return (
     <main className={styles.page} hidden={!shown}>
       <div className={styles.side}>
-        <NewStudy onStarted={(id) => { again(); go("studies", id); }} />
+        <NewStudy onStarted={(id) => { void readAgain(); go("studies", id); }} />
         <Panel title="Studies" grow aside={<span className={styles.count}>{studies.length > 0 ? studies.length : ""}</span>}>
           {refusal && <p className={styles.hint}>{refusal.message}</p>}
           {read && studies.length === 0 && <p className={styles.hint}>None yet.</p>}
@@ -110,7 +107,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
         />
       ) : (
         <>
-          <StudyView key={study.id} study={study} rows={view.rows} selected={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} head={<StudyHead study={study} onChange={again} />} />
+          <StudyView key={study.id} study={study} rows={view.rows} selected={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} head={<StudyHead study={study} onChange={readAgain} />} />
           <div className={styles.side}>
             <StudyResults study={study} />
             <CellPanel study={study} row={cell === null ? undefined : view.rows.get(cell)} />

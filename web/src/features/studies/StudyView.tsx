@@ -1,7 +1,8 @@
 /** One study: its state, its map, and what may be done with it. */
 import { Switch, useMantineColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
-import { useEffect, useState, type ReactNode } from "react";
+import { useQuery } from "@tanstack/react-query";
+import { useState, type ReactNode } from "react";
 import { readPublishedTables, resultsAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
 import { DownloadLink } from "../../ui/DownloadLink";
@@ -34,13 +35,8 @@ function columnsOf(study: StudyDetail): { value: string; label: string }[] {
     .map((column) => ({ value: column.name, label: columnTitle(study, column.name) }));
 }
 
-function usePublished(): PublishedTables | null {
-  const [tables, setTables] = useState<PublishedTables | null>(null);
-  useEffect(() => {
-    readPublishedTables().then(setTables, () => undefined); // without them the map stands alone
-  }, []);
-  return tables;
-}
+/** Without them the map stands alone. */
+const usePublished = (): PublishedTables | null => useQuery({ queryKey: ["published tables"], queryFn: readPublishedTables, staleTime: Infinity }).data ?? null;
 
 /** Where the axes go that are not spread, and what is put where. */
 function AxisChoice({ study, spread, chosen, onSpread, onChosen }: {

@@ -1,6 +1,7 @@
 /** A study and its rows, asked for again while it flies. */
-import { useEffect, useState } from "react";
-import { Refusal } from "../../api/refusal";
+import { skipToken, useQuery, useQueryClient } from "@tanstack/react-query";
+import { refusalIn } from "../../api/query-client";
+import type { Refusal } from "../../api/refusal";
 import { listStudies, readRows, readStudy } from "../../api/service";
 import type { StudyDetail, StudyPage, StudyRow, StudySummary } from "../../api/types";
 
@@ -17,64 +18,45 @@ export interface StudyView {
   readonly refusal: Refusal | null;
 }
 
-const NOTHING: StudyView = { study: null, rows: new Map(), refusal: null };
+const NO_ROWS: Rows = new Map();
 
 export const isUnderWay = (study: StudySummary): boolean => study.status === "queued" || study.status === "running";
 
-/** Calls `look` at once and then again and again, one call at a time, as long as it says so; returns how to end it. */
-function lookAgain(look: () => Promise<number | null>): () => void {
-  let timer: ReturnType<typeof setTimeout> | undefined;
-  let ended = false;
-  const next = async (): Promise<void> => {
-    const pause = await look();
-    if (!ended && pause !== null) timer = setTimeout(() => void next(), pause);
-  };
-  void next();
-  return () => {
-    ended = true;
-    clearTimeout(timer);
-  };
+interface Known {
+  readonly study: StudyDetail;
+  readonly rows: Rows;
+  /** The place of the last row. */
+  readonly last: number;
 }
 
-/** All rows that came after `last`, page by page, put into `rows`; the place of the last one. */
-async function takeRows(id: string, rows: Map<number, StudyRow>, last: number): Promise<number> {
+/** The study with all rows that came after those that are known. @throws Refusal */
+async function readFurther(id: string, known: Known | undefined): Promise<Known> {
+  const study = await readStudy(id);
+  const rows = new Map(known?.rows);
+  let last = known?.last ?? 0;
   for (;;) {
     const page = await readRows(id, last);
     for (const row of page.rows) rows.set(Number(row["cell"]), row);
-    if (page.rows.length === 0) return last;
+    if (page.rows.length === 0) return { study, rows, last };
     last = page.last;
   }
 }
 
-/** `edition` changes when a person did something to the study, so that it is read again at once. */
-export function useStudy(id: string, edition: number): StudyView {
-  const [view, setView] = useState<StudyView>(NOTHING);
-  useEffect(() => {
-    if (id === "") {
-      setView(NOTHING);
-      return undefined;
-    }
-    let wanted = true;
-    let last = 0;
-    const rows = new Map<number, StudyRow>();
-    const end = lookAgain(async () => {
-      try {
-        const study = await readStudy(id);
-        last = await takeRows(id, rows, last);
-        if (wanted) setView({ study, rows: new Map(rows), refusal: null });
-        return isUnderWay(study) ? LIVE_PERIOD : null;
-      } catch (cause) {
-        if (!(cause instanceof Refusal)) throw cause;
-        if (wanted) setView((before) => ({ ...before, refusal: cause }));
-        return cause.decided ? null : LIST_PERIOD;
-      }
-    });
-    return () => {
-      wanted = false;
-      end();
-    };
-  }, [id, edition]);
-  return view;
+/** Of none with an empty identifier. */
+export function useStudy(id: string): StudyView {
+  const client = useQueryClient();
+  const queryKey = ["study", id];
+  const { data, error } = useQuery({
+    queryKey,
+    queryFn: id === "" ? skipToken : () => readFurther(id, client.getQueryData<Known>(queryKey)),
+    structuralSharing: false,
+    refetchInterval: ({ state }) => {
+      const refusal = refusalIn(state.error);
+      if (refusal !== null) return refusal.decided ? false : LIST_PERIOD;
+      return state.data !== undefined && isUnderWay(state.data.study) ? LIVE_PERIOD : false;
+    },
+  });
+  return { study: data?.study ?? null, rows: data?.rows ?? NO_ROWS, refusal: refusalIn(error) };
 }
 
 export interface StudyList {
@@ -85,20 +67,15 @@ export interface StudyList {
 }
 
 /** The studies of the service, newest first, while the page is shown. */
-export function useStudies(shown: boolean, edition: number): StudyList {
-  const [list, setList] = useState<StudyList>({ studies: [], unreadable: [], refusal: null, read: false });
-  useEffect(() => {
-    if (!shown) return undefined;
-    return lookAgain(async () => {
-      try {
-        const page = await listStudies();
-        setList({ studies: page.studies, unreadable: page.unreadable, refusal: null, read: true });
-      } catch (cause) {
-        if (!(cause instanceof Refusal)) throw cause;
-        setList((before) => ({ ...before, refusal: cause }));
-      }
-      return LIST_PERIOD;
-    });
-  }, [shown, edition]);
-  return list;
+export function useStudies(shown: boolean): StudyList {
+  const { data, error } = useQuery({ queryKey: ["studies"], queryFn: listStudies, enabled: shown, refetchInterval: LIST_PERIOD, refetchIntervalInBackground: true });
+  return { studies: data?.studies ?? [], unreadable: data?.unreadable ?? [], refusal: refusalIn(error), read: data !== undefined };
+}
+
+/** Everything that shows studies reads them again: somebody changed one. */
+export function useReadAgain(): () => Promise<void> {
+  const client = useQueryClient();
+  return async () => {
+    await Promise.all([client.invalidateQueries({ queryKey: ["studies"] }), client.invalidateQueries({ queryKey: ["study"] })]);
+  };
 }
