@@ -33,6 +33,7 @@ def replay(reader: RunReader) -> dict[str, Any]:
         "ticks": reader.tick_count,
         "integrity": reader.record.integrity,
         "versions": reader.record.versions,
+        "notices": [*reader.record.notices, *reader.log_notices],
         "controller": _compared(reader, controlled(history, reader.chunks())),
         "rerun": _compared(reader, rerun(history, end)),
     }
@@ -45,7 +46,7 @@ def same(report: dict[str, Any]) -> bool:
 
 def as_text(report: dict[str, Any]) -> str:
     """What `becalm replay` prints."""
-    lines = [f"Run {report['run_id']}, {report['ticks']} ticks"]
+    lines = [f"Run {report['run_id']}, {report['ticks']} ticks", *(f"  {notice}" for notice in report["notices"])]
     for name, title in (("controller", "today's controller in the recorded states"), ("rerun", "flown again")):
         lines.append(f"  {title}: {_in_words(report[name])}")
     return "\n".join(lines)
