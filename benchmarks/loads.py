@@ -203,22 +203,22 @@ _STUDY = {
 }
 
 LOADS: dict[str, Callable[[int, str, float], None]] = {
-    "quiet": lambda port, run, until: time.sleep(max(0.0, until - time.monotonic())),
-    "telemetry": lambda port, run, until: floods(port, "/api/v1/telemetry?rate=1", b"rubbish" * 8, until),
-    "pings": lambda port, run, until: floods(port, "/api/v1/telemetry?rate=1", b"", until, opcode=9),
+    "quiet": lambda _port, _run, until: time.sleep(max(0.0, until - time.monotonic())),
+    "telemetry": lambda port, _run, until: floods(port, "/api/v1/telemetry?rate=1", b"rubbish" * 8, until),
+    "pings": lambda port, _run, until: floods(port, "/api/v1/telemetry?rate=1", b"", until, opcode=9),
     "playback": lambda port, run, until: floods(port, f"/api/v1/runs/{run}/playback", b"rubbish" * 8, until),
-    "scene": lambda port, run, until: floods(
+    "scene": lambda port, _run, until: floods(
         port, "/scene", msgspec.msgpack.encode(CAMERA), until, opcode=2, subprotocol=_viser()
     ),
-    "patches": lambda port, run, until: asked(port, until, _patch),
+    "patches": lambda port, _run, until: asked(port, until, _patch),
     "ticks": lambda port, run, until: asked(
         port, until, lambda http: _download(http, f"/runs/{run}/ticks?points=20000")
     ),
     "exports": lambda port, run, until: asked(port, until, lambda http: _exports(http, run)),
-    "lists": lambda port, run, until: asked(port, until, lambda http: _download(http, "/runs?limit=200")),
-    "history": lambda port, run, until: asked(port, until, lambda http: _download(http, "/mission/history")),
+    "lists": lambda port, _run, until: asked(port, until, lambda http: _download(http, "/runs?limit=200")),
+    "history": lambda port, _run, until: asked(port, until, lambda http: _download(http, "/mission/history")),
     "replays": _replay,
-    "estimates": lambda port, run, until: asked(
+    "estimates": lambda port, _run, until: asked(
         port, until, lambda http: http.post("/studies", json={"study": _STUDY}) and None
     ),
     "idle": _idle,

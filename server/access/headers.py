@@ -64,7 +64,7 @@ class _ScriptReader(HTMLParser):
         if self._inside:
             self.scripts[-1] += data
 
-    def handle_endtag(self, tag: str) -> None:
+    def handle_endtag(self, _tag: str) -> None:
         self._inside = False
 
 

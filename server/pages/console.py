@@ -77,7 +77,7 @@ class ConsoleFiles(StaticFiles):
 
 
 @lru_cache(maxsize=64)
-def _compressed(path: str, written: int) -> bytes:
+def _compressed(path: str, _written: int) -> bytes:
     """The file as it was then, compressed as well as can be: once, at its first use."""
     return gzip.compress(Path(path).read_bytes(), mtime=0)
 

@@ -46,6 +46,7 @@ def secrets(settings):
 
 @pytest.fixture(scope="module")
 def guarded(secrets, settings, serving):
+    assert secrets, "tokens are there before the service is"
     with serving(settings) as served:
         yield served
 

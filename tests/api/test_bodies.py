@@ -56,7 +56,7 @@ async def test_what_nobody_expected_can_be_found_in_the_log(console, monkeypatch
 async def test_half_a_request_is_none():
     came: list[str] = []
 
-    async def app(scope, receive, send):
+    async def app(scope, _receive, _send):
         came.append(scope["path"])
 
     parts = iter([{"type": "http.request", "body": b"{", "more_body": True}, {"type": "http.disconnect"}])

@@ -154,7 +154,7 @@ def test_help_and_version(arguments):
     assert "becalm" in result.stdout
 
 
-def test_serve_says_where_and_ends_on_a_signal(tmp_path):
+def test_serve_says_where_and_ends_on_a_signal():
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-m", "becalm", "serve", "--port", "0", "--no-open"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:

@@ -51,7 +51,7 @@ def small(tmp_path):
 def in_this_process(monkeypatch):
     """No workers: what the command does around them."""
 
-    def fly(tasks, keep, open_executor, *, at_once, gives_up):
+    def fly(tasks, keep, _open_executor, **_options):
         for task in tasks:
             keep(flight.fly_cell(task))
 
@@ -78,7 +78,8 @@ def test_table_and_report(small, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["small.csv", "small.toml"]
 
 
-def test_the_same_seed_gives_the_same_table(small, tmp_path, in_this_process):
+@pytest.mark.usefixtures("in_this_process")
+def test_the_same_seed_gives_the_same_table(small, tmp_path):
     tables = []
     for name, seed in (("a.json", 5), ("b.json", 5), ("c.json", 6)):
         assert _invoke(small, "--out", tmp_path / name, "--seed", seed).exit_code == 0
@@ -87,7 +88,8 @@ def test_the_same_seed_gives_the_same_table(small, tmp_path, in_this_process):
     assert tables[0] != tables[2]
 
 
-def test_format_and_changes(small, tmp_path, in_this_process):
+@pytest.mark.usefixtures("in_this_process")
+def test_format_and_changes(small, tmp_path):
     out = tmp_path / "table"
     config = tmp_path / "soft.toml"
     config.write_text("[contact]\nfriction = 0.2\nstiffness = 700.0\n")
@@ -100,7 +102,8 @@ def test_format_and_changes(small, tmp_path, in_this_process):
     assert "Wrote" in result.stdout
 
 
-def test_agreement_is_told_of_the_published_study(tmp_path, in_this_process, monkeypatch):
+@pytest.mark.usefixtures("in_this_process")
+def test_agreement_is_told_of_the_published_study(tmp_path, monkeypatch):
     fly_cell = flight.fly_cell
     flown = fly_cell(flight.CellTask(published_study().base, False, published_study().cell(0)))
     monkeypatch.setattr(flight, "fly_cell", lambda task: {**flown, "cell": task.cell.index, **task.cell.values})
@@ -113,7 +116,8 @@ def test_agreement_is_told_of_the_published_study(tmp_path, in_this_process, mon
     assert "of 121 cells in the same class" in told
 
 
-def test_cells_that_fail_are_told(tmp_path, in_this_process):
+@pytest.mark.usefixtures("in_this_process")
+def test_cells_that_fail_are_told(tmp_path):
     study = tmp_path / "steps.toml"
     study.write_text("direct = true\n[grid]\nsimulation.time_step = [0.001, 0.0003]\n")
     result = _invoke(study, "--out", tmp_path / "steps.csv")
@@ -147,7 +151,8 @@ def test_kill_9_costs_no_cell_and_counts_none_twice(tmp_path):
     assert json.loads(out.read_text()) == json.loads(undisturbed.read_text())
 
 
-def test_a_table_is_overwritten_only_if_that_is_wanted(small, tmp_path, in_this_process):
+@pytest.mark.usefixtures("in_this_process")
+def test_a_table_is_overwritten_only_if_that_is_wanted(small, tmp_path):
     out = tmp_path / "small.csv"
     out.write_text("of another day")
     result = _invoke(small, "--out", out)
@@ -174,7 +179,8 @@ def test_ctrl_c_stops_and_the_same_command_goes_on(tmp_path):
     assert [row["cell"] for row in json.loads(out.read_text())] == list(range(24))
 
 
-def test_many_cells_are_asked_for(tmp_path, in_this_process):
+@pytest.mark.usefixtures("in_this_process")
+def test_many_cells_are_asked_for(tmp_path):
     study, out = tmp_path / "many.toml", tmp_path / "many.csv"
     study.write_text("direct = true\n[grid]\ncontrol.impedance.mass = { from = 0.1, to = 1.0, count = 10001 }\n")
     for answer in ("n\n", ""):
@@ -185,7 +191,8 @@ def test_many_cells_are_asked_for(tmp_path, in_this_process):
     assert [path.name for path in tmp_path.iterdir()] == ["many.toml"]
 
 
-def test_many_cells_are_flown_without_asking_if_told_so(tmp_path, monkeypatch, in_this_process, small):
+@pytest.mark.usefixtures("in_this_process")
+def test_many_cells_are_flown_without_asking_if_told_so(tmp_path, monkeypatch, small):
     monkeypatch.setattr(studying, "MANY_CELLS", 3)
     assert _invoke(small, "--out", tmp_path / "a.csv", input="y\n").exit_code == 0
     result = _invoke(small, "--out", tmp_path / "b.csv", "--yes")
@@ -239,7 +246,8 @@ def test_a_bad_argument_exits_2(arguments, words, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_another_unfinished_study_in_the_way_exits_1(small, tmp_path, in_this_process, monkeypatch):
+@pytest.mark.usefixtures("in_this_process")
+def test_another_unfinished_study_in_the_way_exits_1(small, tmp_path, monkeypatch):
     out = tmp_path / "small.csv"
     monkeypatch.setattr(studying, "export", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left", str(out))))
     assert _invoke(small, "--out", out).exit_code == 1

@@ -27,7 +27,8 @@ def address(served, monkeypatch):
     return served
 
 
-def test_the_readmes_ten_lines(address, capsys):
+@pytest.mark.usefixtures("address")
+def test_the_readmes_ten_lines(capsys):
     names: dict[str, object] = {}
     exec(sample("README.md", "From a script"), names)
     ticks, snapshot = names["ticks"], names["snapshot"]
@@ -39,14 +40,16 @@ def test_the_readmes_ten_lines(address, capsys):
         assert service.config().config.control.impedance.damping == 3.0
 
 
-def test_runs_and_studies_as_the_api_page_shows(address, capsys):
+@pytest.mark.usefixtures("address")
+def test_runs_and_studies_as_the_api_page_shows(capsys):
     exec(sample("docs/api.md", "From Python"), {})
     printed = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in printed[:3]] == ["finished"] * 3
     assert "outcome" in printed[3]
 
 
-def test_a_refusal_says_what_the_service_said(address):
+@pytest.mark.usefixtures("address")
+def test_a_refusal_says_what_the_service_said():
     with becalm.Client() as service:
         with pytest.raises(becalm.ServiceRefused, match="release is refused in phase idle") as refused:
             service.command("release")
@@ -60,7 +63,7 @@ def test_a_refusal_says_what_the_service_said(address):
         assert unknown.value.status == 404
 
 
-def test_nobody_there(monkeypatch):
+def test_nobody_there():
     with becalm.Client("http://127.0.0.1:9") as service:
         with pytest.raises(becalm.ServiceUnreachable, match=re.escape("http://127.0.0.1:9")):
             service.mission()
@@ -68,7 +71,8 @@ def test_nobody_there(monkeypatch):
             next(service.watch())
 
 
-async def test_awaited_it_does_the_same(address, tmp_path):
+@pytest.mark.usefixtures("address")
+async def test_awaited_it_does_the_same(tmp_path):
     async with becalm.AsyncClient() as service:
         run = await service.start_run("published", direct=True, idempotency_key="once")
         again = await service.start_run("published", direct=True, idempotency_key="once")

@@ -78,7 +78,8 @@ def test_a_scheduler_without_workers_is_said(scheduler, monkeypatch):
         cluster.cluster_workers(scheduler)
 
 
-def test_the_command_flies_on_the_cluster(scheduler, workers, tmp_path):
+@pytest.mark.usefixtures("workers")
+def test_the_command_flies_on_the_cluster(scheduler, tmp_path):
     file = tmp_path / "masses.json"
     file.write_text(json.dumps({"direct": True, "grid": {"control.impedance.mass": [0.1, 0.2]}}))
     out = tmp_path / "masses.csv"
@@ -88,7 +89,8 @@ def test_the_command_flies_on_the_cluster(scheduler, workers, tmp_path):
     assert len(out.read_text().splitlines()) == 3
 
 
-def test_workers_with_other_code_are_refused(scheduler, workers, monkeypatch):
+@pytest.mark.usefixtures("workers")
+def test_workers_with_other_code_are_refused(scheduler, monkeypatch):
     monkeypatch.setattr(cluster, "code_fingerprint", lambda: ("another version",))
     with pytest.raises(WorkersUnavailable, match="has other code"):
         cluster.cluster_workers(scheduler)

@@ -212,7 +212,7 @@ async def test_every_command_is_logged_with_its_answer(console):
 
 
 async def test_a_failing_tick_is_a_fault_that_a_reset_ends(console, monkeypatch):
-    def broken(self, ticks):
+    def broken(_mission, _ticks):
         raise ZeroDivisionError("for the test")
 
     await console.granted("capture")
@@ -234,7 +234,7 @@ async def test_a_failing_tick_is_a_fault_that_a_reset_ends(console, monkeypatch)
 async def test_a_plant_that_diverges_is_a_fault_and_its_run_failed(console, monkeypatch):
     """The real path: the plant answers that its state cannot be trusted, and nothing raises."""
 
-    def diverging(*arguments):
+    def diverging(*_arguments):
         return 1, False
 
     await console.granted("capture")

@@ -186,7 +186,7 @@ async def test_scripted_run_is_cancelled_then_removed(console):
 
 
 async def test_a_disk_that_fails_is_a_problem_on_the_page_and_the_mission_flies_on(console, monkeypatch):
-    def full(self, ticks):
+    def full(_writer, _ticks):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("server.library.folder.RunWriter.append", full)

@@ -115,7 +115,8 @@ for child in children:
     assert project.inside("robot", "python", "-c", forks) == "refused"
 
 
-def test_the_page_is_for_everyone_and_the_mission_for_who_has_the_token(project, console):
+@pytest.mark.usefixtures("console")
+def test_the_page_is_for_everyone_and_the_mission_for_who_has_the_token(project):
     with httpx.Client(base_url=project.address("console"), timeout=PATIENCE) as page:
         assert "<title>" in page.get("/").text
         assert page.get("/api/v1/mission").status_code == 401
@@ -124,7 +125,8 @@ def test_the_page_is_for_everyone_and_the_mission_for_who_has_the_token(project,
         assert page.get("/api/v1/mission").json()["plant"]["kind"] == "zenoh"
 
 
-def test_a_token_made_in_the_container_signs_in(project, console):
+@pytest.mark.usefixtures("console")
+def test_a_token_made_in_the_container_signs_in(project):
     token = project.inside("console", "becalm", "token", "create", "ana", "--role", "operator")
     headers = {"Authorization": f"Bearer {token}"}
     session = httpx.get(project.address("console") + "/api/v1/session", headers=headers, timeout=PATIENCE).json()

@@ -52,7 +52,7 @@ def transport(robot: Robot, users: dict[str, Path]) -> Transport:
 
 
 @pytest.fixture(scope="module")
-def link(robot: Robot, transport: Transport) -> Iterator[RobotLink]:
+def link(transport: Transport) -> Iterator[RobotLink]:
     """One console's end for all tests of a module: whatever happens to the robot, it needs no restart."""
     RobotLink.warm_up(CONFIG)
     link = RobotLink(LinkSettings(transport=transport, deadline=PATIENT), CONFIG)

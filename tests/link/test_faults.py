@@ -118,7 +118,7 @@ def test_a_network_that_is_too_slow_or_gone(robot, fly, faults, gaps):
 
 
 @keeping_up
-def test_what_was_on_its_way_when_a_session_began_says_nothing_of_it(robot, link, fly, stranger, caplog):
+def test_what_was_on_its_way_when_a_session_began_says_nothing_of_it(link, fly, stranger, caplog):
     told = []
     stranger.subscribe(contract.MODE, told.append)
     fly().ticks(20)
@@ -294,7 +294,7 @@ def test_a_strangers_stop_stops(robot, fly, stranger):
 
 
 @keeping_up
-def test_taring_makes_the_present_reading_zero(robot, link, fly):
+def test_taring_makes_the_present_reading_zero(link, fly):
     flight = fly()
     assert link.tare().granted
     flight.ticks(60)

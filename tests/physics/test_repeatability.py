@@ -63,7 +63,7 @@ def test_whatever_the_number_of_ticks_a_call(fly):
         assert mission.outcome == whole.outcome
 
 
-def test_events_do_not_depend_on_the_number_of_ticks_a_call(fly):
+def test_events_do_not_depend_on_the_number_of_ticks_a_call():
     told = []
     for chunk in (1, 7, 1000):
         mission, _ = flown_in_chunks(chunk)

@@ -36,7 +36,8 @@ def test_a_service_on_this_machine(address, here):
 
 
 @pytest.mark.parametrize("proxied", ["http://127.0.0.1:9", "socks5://127.0.0.1:9", "rubbish"], indirect=True)
-def test_no_proxy_leads_to_this_machine(proxied):
+@pytest.mark.usefixtures("proxied")
+def test_no_proxy_leads_to_this_machine():
     """The address is that of nobody: the answer is that, and nothing about a proxy."""
     with becalm.Client("http://127.0.0.1:9") as client:
         with pytest.raises(becalm.ServiceUnreachable, match=r"127\.0\.0\.1:9"):
@@ -46,7 +47,8 @@ def test_no_proxy_leads_to_this_machine(proxied):
 
 
 @pytest.mark.parametrize("proxied", ["socks5://127.0.0.1:9", "rubbish://x"], indirect=True)
-def test_a_proxy_that_cannot_be_used_is_told_as_such(proxied):
+@pytest.mark.usefixtures("proxied")
+def test_a_proxy_that_cannot_be_used_is_told_as_such():
     for kind in (becalm.Client, becalm.AsyncClient):
         with pytest.raises(becalm.ProxyUnusable) as refused:
             kind("http://robot-lab.example:8000")

@@ -62,7 +62,7 @@ FILE_DAMAGES = {
     "a dangling link": instead(lambda path: path.symlink_to("nowhere")),
     "a looping link": instead(lambda path: path.symlink_to(path.name)),
     "a device": instead(lambda path: path.symlink_to("/dev/zero")),
-    "not permitted": lambda path: None,
+    "not permitted": lambda _path: None,
 }
 RECORD_DAMAGES = {
     **FILE_DAMAGES,

@@ -37,7 +37,7 @@ def listening(serve):
 @pytest.mark.parametrize(
     ("serve", "says"),
     [
-        (lambda connection: None, "has said nothing for 0.3 s"),
+        (lambda _connection: None, "has said nothing for 0.3 s"),
         (lambda connection: connection.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n"), "something else answers there"),
         (lambda connection: connection.sendall(b"\xff" * 64), "something else answers there"),
         (lambda connection: connection.close(), "closes the connection without a word"),

@@ -36,7 +36,7 @@ def _soon(monkeypatch):
 async def test_a_socket_ends_with_its_token(takes):
     ended = asyncio.Event()
 
-    async def app(scope, receive, send):
+    async def app(_scope, receive, _send):
         try:
             await receive()
         finally:
@@ -57,7 +57,7 @@ async def test_a_socket_ends_with_its_token(takes):
 
 
 async def test_a_socket_that_fails_says_so_and_one_that_is_cancelled_ends():
-    async def failing(scope, receive, send):
+    async def failing(_scope, _receive, _send):
         raise ZeroDivisionError
 
     connection = Connection()
@@ -65,7 +65,7 @@ async def test_a_socket_that_fails_says_so_and_one_that_is_cancelled_ends():
         await lease.run_socket(failing, {}, connection.receive, connection.send, lambda: True)
     ended = asyncio.Event()
 
-    async def waiting(scope, receive, send):
+    async def waiting(_scope, receive, _send):
         try:
             await receive()
         finally:
@@ -81,7 +81,7 @@ async def test_a_socket_that_fails_says_so_and_one_that_is_cancelled_ends():
 async def test_an_answer_in_parts_ends_unfinished():
     connection = Connection()
 
-    async def endless(scope, receive, send):
+    async def endless(_scope, _receive, send):
         await send({"type": "http.response.start", "status": 200})
         while True:
             await send({"type": "http.response.body", "body": b"x", "more_body": True})

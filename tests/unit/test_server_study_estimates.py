@@ -79,7 +79,8 @@ def test_only_the_study_asked_for_last_is_measured_next(trial, estimates):
     assert trial.opened == 1
 
 
-def test_what_was_measured_long_ago_is_measured_again(trial, estimates, monkeypatch):
+@pytest.mark.usefixtures("trial")
+def test_what_was_measured_long_ago_is_measured_again(estimates, monkeypatch):
     first = estimates.wait(study(0.1), PATIENCE)
     monkeypatch.setattr(study_estimates, "FRESH", 0.0)
     assert estimates.ask(study(0.1)) is None

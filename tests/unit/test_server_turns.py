@@ -17,7 +17,7 @@ def scope(method, path, kind="http"):
 async def test_stop_is_begun_before_all_that_came_earlier(path):
     begun = []
 
-    async def app(scope, receive, send):
+    async def app(scope, _receive, _send):
         begun.append(scope["path"])
 
     turns = Turns(app)
@@ -30,7 +30,7 @@ async def test_stop_is_begun_before_all_that_came_earlier(path):
 async def test_one_is_begun_with_each_turn_so_that_what_comes_meanwhile_is_seen():
     begun = []
 
-    async def app(scope, receive, send):
+    async def app(scope, _receive, _send):
         begun.append(scope["path"])
 
     turns = Turns(app)
@@ -47,7 +47,7 @@ async def test_one_is_begun_with_each_turn_so_that_what_comes_meanwhile_is_seen(
 async def test_who_goes_while_waiting_costs_nobody_else_a_turn():
     begun = []
 
-    async def app(scope, receive, send):
+    async def app(scope, _receive, _send):
         begun.append(scope["path"])
 
     turns = Turns(app)

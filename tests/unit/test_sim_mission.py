@@ -104,7 +104,7 @@ class TestRunCapture:
         assert result.real_time_factor > 0.0
 
     def test_what_its_listener_raises_ends_it(self):
-        def full(rows):
+        def full(_rows):
             raise OSError("no space left on device")
 
         with pytest.raises(OSError, match="no space left"):

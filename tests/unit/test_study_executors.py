@@ -38,7 +38,7 @@ class Scripted(Executor):
         self.is_broken = not fleet.starts
         self.is_shut = False
 
-    def submit(self, function, /, *args, **kwargs):
+    def submit(self, _function, /, *args, **_options):
         future: Future = Future()
         if not args:  # whether a worker starts at all
             self._answer(future, 1)
@@ -62,7 +62,7 @@ class Scripted(Executor):
         else:
             future.set_result(result)
 
-    def shutdown(self, wait=True, *, cancel_futures=False):
+    def shutdown(self, *_arguments, **_options):
         self.is_shut = True
 
 
@@ -140,7 +140,7 @@ def test_an_interruption_keeps_what_has_ended_and_starts_nothing_more():
 
 
 def test_what_keep_raises_ends_the_study():
-    def keep(row):
+    def keep(_row):
         raise OSError("disk full")
 
     fleet = Fleet()

@@ -59,7 +59,7 @@ def test_parquet(table, tmp_path):
 def test_a_file_that_was_there_stays_until_the_new_one_is_whole(table, tmp_path, monkeypatch):
     path = tmp_path / "table.csv"
     path.write_text("old")
-    monkeypatch.setattr(StudyTable, "rows", lambda self: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(StudyTable, "rows", lambda _table: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
         export(table, path, TableFormat.CSV)
     assert path.read_text() == "old"

@@ -70,7 +70,8 @@ def flown(monkeypatch):
     return asked
 
 
-def test_row_has_the_columns_in_their_order(flown):
+@pytest.mark.usefixtures("flown")
+def test_row_has_the_columns_in_their_order():
     row = fly_cell(task())
     assert list(row) == [column.name for column in columns(STUDY)]
     for column in columns(STUDY)[:-1]:
@@ -90,7 +91,8 @@ def test_row_tells_cell_outcome_and_hardest_touch(flown):
     assert not direct
 
 
-def test_without_a_touch_there_is_no_hardest(flown, monkeypatch):
+@pytest.mark.usefixtures("flown")
+def test_without_a_touch_there_is_no_hardest(monkeypatch):
     monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"contacts": [], "closed_at": None}))
     row = fly_cell(task())
     assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_peak"]) == (0, None, None)
@@ -98,7 +100,8 @@ def test_without_a_touch_there_is_no_hardest(flown, monkeypatch):
     assert (row["first_touch_end"], row["peak_at"], row["peak_stage"]) == (None, None, None)
 
 
-def test_row_tells_what_the_first_touch_left_and_when_the_peak_came(flown):
+@pytest.mark.usefixtures("flown")
+def test_row_tells_what_the_first_touch_left_and_when_the_peak_came():
     row = fly_cell(task())
     assert (row["first_touch_end"], row["first_touch_peak"]) == (4.1, 0.9)
     assert row["spin_after_first_touch"] == 0.1
@@ -108,12 +111,14 @@ def test_row_tells_what_the_first_touch_left_and_when_the_peak_came(flown):
 
 
 @pytest.mark.parametrize(("closed_at", "stage"), [(None, "closing"), (5.9, "closing"), (5.7, "after_closure")])
-def test_peak_is_after_closure_only_after_the_first_closed_instant(flown, monkeypatch, closed_at, stage):
+@pytest.mark.usefixtures("flown")
+def test_peak_is_after_closure_only_after_the_first_closed_instant(monkeypatch, closed_at, stage):
     monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"closed_at": closed_at}))
     assert fly_cell(task())["peak_stage"] == stage
 
 
-def test_a_peak_before_the_hands_close_is_a_touch(flown, monkeypatch):
+@pytest.mark.usefixtures("flown")
+def test_a_peak_before_the_hands_close_is_a_touch(monkeypatch):
     monkeypatch.setitem(globals(), "OUTCOME", OUTCOME.model_copy(update={"contacts": OUTCOME.contacts[:1]}))
     row = fly_cell(task())
     assert (row["peak_at"], row["peak_stage"]) == (3.5, "touch")
@@ -124,7 +129,7 @@ def test_a_peak_before_the_hands_close_is_a_touch(flown, monkeypatch):
     [(PlantDiverged("not finite after 3 s"), "not finite after 3 s"), (ValueError("odd"), "ValueError: odd")],
 )
 def test_a_cell_that_fails_is_a_row_that_says_why(monkeypatch, error, words):
-    def fail(config, *, direct, on_ticks):
+    def fail(_config, **_options):
         raise error
 
     monkeypatch.setattr(run, "run_capture", fail)
