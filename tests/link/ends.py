@@ -114,7 +114,7 @@ def _stalled(service: Any) -> bool:
     told = [problem["message"] for problem in service.get("/mission")["problems"]]
     if not any(re.search(STALLED, each) for each in told):
         return False
-    service.granted("reset")
+    service.make_idle()
     return True
 
 

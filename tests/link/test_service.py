@@ -48,13 +48,16 @@ class Service:
         return self.post("/mission/commands", command=name, arming=token)
 
     def granted(self, name: str) -> dict[str, Any]:
-        """What is refused while the robot comes back is asked again, as an operator would."""
+        """A command that is given once, when the mission says that it is allowed and the link has no problem."""
+        until(lambda: self.get("/mission")["commands"][name] is None, f"{name} is allowed")
+        until(lambda: self.get("/link")["problem"] is None, "the robot can be flown")
+        answer = self.command(name)
+        assert answer.status_code == 200, answer.text
+        return dict(answer.json())
 
-        def asked() -> dict[str, Any] | None:
-            answer = self.command(name)
-            return dict(answer.json()) if answer.status_code == 200 else None
-
-        return until(asked, f"{name} is granted") or {}
+    def make_idle(self) -> None:
+        """Before a test, and for none of its words: whatever the robot has come to, it is taken again."""
+        until(lambda: self.command("reset").status_code == 200, "the mission is reset")
 
     def await_phase(self, *phases: str) -> dict[str, Any]:
         return until(lambda: m if (m := self.get("/mission"))["phase"] in phases else None, f"phase {phases}") or {}
@@ -79,7 +82,7 @@ def service(
 @pytest.fixture(autouse=True)
 def _idle(service: Service) -> None:
     if service.get("/mission")["phase"] != "idle":
-        service.granted("reset")
+        service.make_idle()
 
 
 @keeping_up
@@ -178,7 +181,7 @@ def _capture(robot: Robot, service: Service, seed: int) -> dict[str, Any]:
     """A capture from the start, to its verdict, or until this machine did not keep up."""
     robot.restart(seed=seed)
     service.await_phase("faulted")
-    service.granted("reset")
+    service.make_idle()
     service.granted("capture")
     return until(lambda: m if (m := service.get("/mission"))["outcome"] or m["phase"] == "faulted" else None, "the end")
 
@@ -211,7 +214,7 @@ def test_the_link_page_shows_streams_tares_and_sees_a_robot_hang_and_stop(robot,
 
 @pytest.mark.browser
 @keeping_up
-def test_what_moves_the_robot_takes_two_presses(robot, service, browser: Browser):
+def test_what_moves_the_robot_takes_two_presses(service, browser: Browser):
     page = browser.new_page(viewport={"width": 1440, "height": 900})
     page.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
     page.goto(str(service.process.http.base_url))
