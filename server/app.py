@@ -49,6 +49,7 @@ from server.library.replay_sessions import ReplaySessions
 from server.library.retention import Expired, keep_removing
 from server.library.runs import RunStore
 from server.library.scripted import ScriptedRuns
+from server.mission.cut_off import cut_off_run
 from server.mission.feed import Feed
 from server.mission.loop import MissionLoop
 from server.mission.projector import Projector
@@ -166,9 +167,9 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         current_default_thread_limiter().total_tokens = THREADS
         services.access.audit.start()
         services.feed.attach(asyncio.get_running_loop())
-        for root in (services.store.root, services.studies.root):
+        for store in (services.store, services.studies):
             with suppress(OSError):  # reported by whoever needs it: the mission does not
-                root.mkdir(parents=True, exist_ok=True)
+                store.make_root()
         services.disk.look()
         services.recorder.start()
         if services.link is not None:
@@ -176,6 +177,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.loop.start()
         app.state.scene_doorway = projector.start()
         services.store.recover()
+        services.feed.cut_off = cut_off_run(services.store)
         services.scripted.resume()
         services.study_queue.start()
         settings = services.settings

@@ -53,11 +53,13 @@ async def _send(websocket: WebSocket, services: Services, subscriber: Subscriber
     async def send(text: str) -> None:
         await asyncio.wait_for(websocket.send_text(text), SEND_TIME)
 
+    cut_off = services.feed.cut_off
     hello = {
         "version": becalm_version(),
         "rate": subscriber.rate,
         "service": services.feed.service,
         "service_time": time.monotonic(),
+        "cut_off": cut_off and cut_off.model_dump(),
     }
     await send(json.dumps({"type": "hello", **hello}))
     await _send_until_ready(send, services)

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from server.errors import StoredUnreadable
 from server.files import remove_folder
@@ -67,10 +67,20 @@ class RunStore:
         self.remarks_lock = threading.RLock()
         """Held by who changes what people added, from reading to writing it."""
 
+    def make_root(self) -> Self:
+        """Make the folder of all runs, if it is not there; at a start only: one that goes later has been lost."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        return self
+
     def create(self, record: RunRecord) -> None:
-        """Make the folder of a run that waits for its writer."""
+        """Make the folder of a run that waits for its writer.
+
+        Raises:
+            FileNotFoundError: the folder of all runs is gone.
+
+        """
         folder = self.root / record.id
-        folder.mkdir(parents=True)
+        folder.mkdir()
         try:
             write_record(folder, record)
         except BaseException:
@@ -82,10 +92,11 @@ class RunStore:
 
         Raises:
             BlockingIOError: another process is writing it.
+            FileNotFoundError: the folder of all runs is gone.
 
         """
         folder = self.root / record.id
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(exist_ok=True)
         return RunWriter(folder, record)
 
     def read(self, run_id: str) -> RunReader:

@@ -14,6 +14,7 @@ from collections import deque
 from typing import NamedTuple
 
 from server.library.folder import LoggedEvent
+from server.mission.cut_off import CutOffRun
 from server.mission.history import HistoryRing
 from server.published import MissionSnapshot
 
@@ -137,8 +138,11 @@ class Feed:
     def __init__(self) -> None:
         self.service = uuid.uuid4().hex
         """Tells this service from the one before a restart."""
+        self.cut_off: CutOffRun | None = None
+        """The run that the end of the service before this one cut off; forgotten when a second mission begins."""
         self.latest: Latest | None = None
         self.history = HistoryRing()
+        self._has_begun = False
         self._subscribers: set[Subscriber] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._pending: deque[FeedMessage] = deque(maxlen=CAPACITY)
@@ -186,6 +190,9 @@ class Feed:
 
     def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
         """A new mission begins, perhaps with a past: what was before is history no more."""
+        if self._has_begun:
+            self.cut_off = None
+        self._has_begun = True
         self.history.begin(run_id, past)
         self._send(FeedMessage("reset", f'{{"type":"reset","run_id":"{run_id}"}}'))
 

@@ -22,6 +22,9 @@ REST_AFTER = 5.0
 STOPPED_NOTE = "ended by STOP"
 """Of a run that rests without a verdict because it was stopped."""
 
+CUT_OFF_NOTE = "cut off: the service ended"
+"""Of a run that was under way when the service ended in order."""
+
 
 class LiveRun:
     """The run of one live mission. Used by the mission thread only."""

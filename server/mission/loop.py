@@ -21,6 +21,7 @@ from server.mission.feed import Feed
 from server.mission.fork import ForkParent
 from server.mission.inbox import Answer, Granted, Inbox, Request
 from server.mission.live_mission import LiveMission
+from server.mission.live_run import CUT_OFF_NOTE
 from server.mission.opening import MissionOpener
 from server.mission.pace import Pace
 from server.mission.publisher import PUBLISH_PERIOD, ConfigView, Publisher
@@ -186,7 +187,7 @@ class MissionLoop:
             self._leave_at_rest()
         except Exception as error:
             self._flying.fail(error)
-        self._flying.close("cut off: the service ended")
+        self._flying.close(CUT_OFF_NOTE)
 
     def _leave_at_rest(self) -> None:
         """The last that the robot hears of the service is to stand still."""

@@ -10,7 +10,7 @@ import re
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import Field, JsonValue, field_validator
 
@@ -93,8 +93,18 @@ class StudyStore:
         self._lock = threading.Lock()
         """Held while a record is changed, from reading to writing it."""
 
+    def make_root(self) -> Self:
+        """Make the folder of all studies, if it is not there; at a start only: one that goes later has been lost."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        return self
+
     def create(self, study: Study) -> StudyRecord:
-        """A new study that waits to be flown."""
+        """A new study that waits to be flown.
+
+        Raises:
+            FileNotFoundError: the folder of all studies is gone.
+
+        """
         record = StudyRecord(
             id=new_run_id(),
             name=study.name,
@@ -104,7 +114,7 @@ class StudyStore:
             created=wall_clock(),
         )
         folder = self.root / record.id
-        folder.mkdir(parents=True)
+        folder.mkdir()
         try:
             self._write(record)
         except BaseException:

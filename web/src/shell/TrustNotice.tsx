@@ -1,10 +1,10 @@
 /** One unmistakable line when what is on the screen is not what is happening. */
 import { Button } from "@mantine/core";
+import type { CutOff } from "../source/source";
 import { useStore, useView } from "../store/context";
-import type { CutOff } from "../store/mission";
 import { Icon } from "../ui/theme/Icon";
 import { useClock } from "../ui/use-clock";
-import { clock, fixed } from "../units/units";
+import { clock, duration } from "../units/units";
 import { hashOf } from "../store/route";
 import styles from "./TrustNotice.module.css";
 
@@ -21,7 +21,7 @@ function StaleNotice() {
   return (
     <div className={styles.notice} data-tone="error" role="alert">
       <Icon sign="error" size={18} />
-      <strong>These data are {fixed(age / 1000, 1)} s old.</strong>
+      <strong>These data are {duration(age / 1000)} old.</strong>
       <span>
         {retryWords(lost, retryIn)} Commands wait for fresh data; STOP is still sent.
       </span>
@@ -37,7 +37,7 @@ function RobotNotice() {
   return (
     <div className={styles.notice} data-tone="error" role="alert">
       <Icon sign="link" size={18} />
-      <strong>{silent ? `The robot has been silent for ${fixed(age / 1000, 1)} s.` : `The robot's ${stream} is ${fixed(age / 1000, 1)} s old.`}</strong>
+      <strong>{silent ? `The robot has been silent for ${duration(age / 1000)}.` : `The robot's ${stream} is ${duration(age / 1000)} old.`}</strong>
       <span>The service is live; what is shown of the robot is as it was last heard. STOP is still sent.</span>
     </div>
   );
@@ -51,7 +51,7 @@ function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
       <Icon sign="reset" size={18} />
       <strong>The service was restarted.</strong>
       <span>
-        Run <a href={hashOf({ page: "runs", item: cutOff.run })}>{cutOff.run}</a>, then {cutOff.phase}, was cut off at {clock(cutOff.time, 1)}.
+        Run <a href={hashOf({ page: "runs", item: cutOff.run_id })}>{cutOff.run_id}</a>, then {cutOff.phase}, was cut off at {clock(cutOff.time, 1)}.
       </span>
       <Button size="compact-xs" onClick={store.dismissCutOff}>
         Close

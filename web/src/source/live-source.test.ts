@@ -35,7 +35,7 @@ function recordingSink() {
     scene: () => undefined,
     ended: (why) => calls.push(`ended ${why}`),
     events: (events) => calls.push(...events.map(({ message }) => `event ${message}`)),
-    heard: () => undefined,
+    heard: (service, time, cutOff) => calls.push(`${service} at ${time}, cut off: ${cutOff?.run_id ?? "none"}`),
     reset: () => calls.push("reset"),
   };
   return { links, runs, calls, sink };
@@ -73,11 +73,11 @@ describe("live telemetry", () => {
 
   it("passes frames on in their order", () => {
     const { sockets, calls } = opened();
-    sockets[0]?.tell({ type: "hello", service_time: 0 });
+    sockets[0]?.tell({ type: "hello", service: "one", service_time: 0, cut_off: { run_id: "a", phase: "caging", time: 2 } });
     sockets[0]?.tell({ type: "history", ...emptyHistory });
     sockets[0]?.tell(snapshot(3));
     sockets[0]?.tell({ type: "event", message: "touch" });
-    expect(calls).toEqual(["history 0", "snapshot 3", "event touch"]);
+    expect(calls).toEqual(["one at 0, cut off: a", "history 0", "snapshot 3", "event touch"]);
   });
 
   it("shows one run whole until the first snapshot of the next one", () => {

@@ -6,7 +6,7 @@ import { waitBefore } from "./backoff";
 import type { Table } from "./columns";
 import { samplesOfTable, type Sample } from "./quantities";
 import { readFinely } from "./read-finely";
-import type { Range, SceneArrangement, Sink, Source } from "./source";
+import type { CutOff, Range, SceneArrangement, Sink, Source } from "./source";
 
 /** Snapshots a second at most. */
 const RATE = 60;
@@ -29,7 +29,7 @@ const MANY = 10_000;
 const ON_DISK = 2;
 
 type Frame =
-  | { type: "hello"; service: string; service_time: number }
+  | { type: "hello"; service: string; service_time: number; cut_off: CutOff | null }
   | { type: "preparing" }
   | { type: "missed" }
   | ({ type: "history"; run_id: string } & Table)
@@ -214,7 +214,7 @@ class Connection {
         this.coming = { run: frame.run_id, events: [], history: null };
         break;
       case "hello":
-        this.sink.heard(frame.service, frame.service_time);
+        this.sink.heard(frame.service, frame.service_time, frame.cut_off);
         break;
       case "preparing":
         break;

@@ -27,6 +27,14 @@ export interface ShownRun {
 
 export type Config = MissionConfiguration["config"];
 
+/** A run that was under way when the service ended, which has been started again since. */
+export interface CutOff {
+  readonly run_id: string;
+  readonly phase: string;
+  /** Mission time of its last recorded tick, seconds. */
+  readonly time: number;
+}
+
 /** Takes what a source tells, in the order in which it happened. */
 export interface Sink {
   link(link: Link): void;
@@ -44,8 +52,9 @@ export interface Sink {
   scene(address: string): void;
   /** Why snapshots and scene come no more. */
   ended(why: string): void;
-  /** A service, which a restart gives another name, has told the time by its own clock, in seconds, just now. */
-  heard(service: string, serviceTime: number): void;
+  /** A service, which a restart gives another name, has told the time by its own clock, in seconds, just now, and which
+   * run the restart cut off. */
+  heard(service: string, serviceTime: number, cutOff: CutOff | null): void;
   /** Events in any order; those that are known are not repeated. */
   events(events: readonly MissionEvent[]): void;
   /** Another mission began; nothing known so far belongs to it. */

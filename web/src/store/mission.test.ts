@@ -152,23 +152,16 @@ describe("what the panels get", () => {
     expect(store.read().events.map((known) => known.message)).toEqual(["earlier", "later"]);
   });
 
-  it("tells which run a restart of the service has cut off, and of no other", () => {
+  it("tells whoever comes which run a restart of the service cut off, until it has been read", () => {
     const store = storeAt({ now: 0 });
-    store.heard("one", 0);
-    store.snapshot({ ...snapshot(900, "detumbling"), run_id: "old" });
-    store.link({ state: "lost", attempt: 1, retryAt: 0 });
-    store.link({ state: "open" });
-    store.heard("one", 1);
-    store.reset();
-    expect(store.read().cutOff).toBeNull(); // somebody reset it while this page was away
-    store.snapshot({ ...snapshot(1200, "detumbling"), run_id: "older" });
-    store.link({ state: "lost", attempt: 1, retryAt: 0 });
-    store.link({ state: "open" });
-    store.heard("two", 2);
-    store.reset();
+    const cutOff = { run_id: "old", phase: "detumbling", time: 1.2 };
+    store.heard("one", 0, null);
+    expect(store.read().cutOff).toBeNull();
+    store.heard("two", 1, cutOff);
     store.snapshot({ ...snapshot(1), run_id: "new" });
-    expect(store.read().cutOff).toEqual({ run: "older", phase: "detumbling", time: 1.2 });
+    expect(store.read().cutOff).toEqual(cutOff);
     store.dismissCutOff();
+    store.heard("two", 2, cutOff); // connected again to the same service
     expect(store.read().cutOff).toBeNull();
   });
 

@@ -3,7 +3,7 @@ import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types"
 import { sampleOfSnapshot, type Sample } from "../source/quantities";
 import { Series } from "../source/series";
 import { ServiceClock } from "../source/service-clock";
-import type { Config, Link, ShownRun, Sink, Source } from "../source/source";
+import type { Config, CutOff, Link, ShownRun, Sink, Source } from "../source/source";
 
 /** Age at which what is shown counts as old, in milliseconds: since the service made it, not since it came. */
 export const STALE_AFTER = 500;
@@ -21,14 +21,6 @@ const SILENT_LOOKS = 3;
  * or the connection is lost.
  */
 export type Trust = "connecting" | "preparing" | "live" | "stale";
-
-/** A run that a restart of the service ended. */
-export interface CutOff {
-  readonly run: string;
-  readonly phase: string;
-  /** Mission time of the last snapshot of it, seconds. */
-  readonly time: number;
-}
 
 export interface MissionView {
   readonly run: ShownRun | null;
@@ -89,8 +81,6 @@ export class MissionStore implements Sink {
   private publishedAt = -Infinity;
   private silentLooks = 0;
   private service = "";
-  /** Whether another service than before speaks, of which no snapshot has come yet. */
-  private restarted = false;
   private readonly listeners = new Set<Listener>();
 
   constructor(
@@ -122,7 +112,6 @@ export class MissionStore implements Sink {
     const now = this.now();
     this.clock.arrived(snapshot.service_time, now);
     if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentLooks = 0;
-    this.restarted = false;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
@@ -142,10 +131,11 @@ export class MissionStore implements Sink {
     this.change({ ended: why }, true);
   }
 
-  heard(service: string, serviceTime: number): void {
-    this.restarted = this.service !== "" && service !== this.service;
-    this.service = service;
+  heard(service: string, serviceTime: number, cutOff: CutOff | null): void {
     this.clock.arrived(serviceTime, this.now());
+    if (service === this.service) return; // what was read once is not shown again at each connection
+    this.service = service;
+    this.change({ cutOff }, true);
   }
 
   history(samples: readonly Sample[]): void {
@@ -177,13 +167,10 @@ export class MissionStore implements Sink {
     this.change({ health, preparingSince, answerTime: health === null ? null : answerTime }, true);
   }
 
-  /** Another run; if another service flies it, a restart has cut the old one off. */
+  /** Another run. */
   reset(): void {
     this.series.clear();
-    const { snapshot } = { ...this.view, ...this.pending };
-    const flown = snapshot !== null && snapshot.outcome === null && snapshot.phase !== "idle";
-    const cutOff = this.restarted && flown ? { run: snapshot.run_id, phase: snapshot.phase, time: snapshot.time } : this.view.cutOff;
-    this.change({ events: [], touches: [], cutOff }, true);
+    this.change({ events: [], touches: [] }, true);
   }
 
   /** The notice of the run that was cut off has been read. */

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { clock, fixed, plain, shown } from "./units";
+import { clock, duration, fixed, plain, shown } from "./units";
 
 describe("units on the screen", () => {
   it("shows angles and rates in the preferred unit and leaves forces alone", () => {
@@ -20,6 +20,17 @@ describe("units on the screen", () => {
     expect(plain(9.32724e-3)).toBe("0.00932724");
     expect(plain(1e-4)).toBe("1e-4");
     expect(plain(5 * (Math.PI / 180) * (180 / Math.PI))).toBe("5");
+  });
+
+  it("says a duration in seconds, from a minute on in minutes, from an hour on in hours", () => {
+    expect(duration(0)).toBe("0.0 s");
+    expect(duration(12.34)).toBe("12.3 s");
+    expect(duration(0.256, 2)).toBe("0.26 s");
+    expect(duration(59.96)).toBe("1 min 0.0 s");
+    expect(duration(83.45, 2)).toBe("1 min 23.45 s");
+    expect(duration(3599, 0)).toBe("59 min 59 s");
+    expect(duration(3900)).toBe("1 h 5 min");
+    expect(duration(Number.NaN)).toBe("—");
   });
 
   it("rounds the clock once", () => {

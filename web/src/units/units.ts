@@ -61,7 +61,19 @@ export function plain(value: number): string {
 
 const exponential = (value: number): string => value.toExponential().replace("e+", "e");
 
-/** Mission time as minutes and seconds, `01:23.456`. */
+/** How long something took or takes: `12.3 s`, from a minute on `1 min 23.4 s`, from an hour on `1 h 5 min`. A moment is shown by `clock`. */
+export function duration(seconds: number, decimals = 1): string {
+  if (!Number.isFinite(seconds)) return "—";
+  const unit = 10 ** decimals;
+  // Rounded once, so that 59.96 s reads 1 min 0.0 s and not 60.0 s.
+  const total = Math.round(Math.max(0, seconds) * unit) / unit;
+  const minutes = Math.floor(total / 60);
+  if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  const rest = `${(total - 60 * minutes).toFixed(decimals)} s`;
+  return minutes > 0 ? `${minutes} min ${rest}` : rest;
+}
+
+/** A moment of a mission as minutes and seconds, `01:23.456`. How long something takes is shown by `duration`. */
 export function clock(seconds: number, decimals = 3): string {
   const unit = 10 ** decimals;
   // Rounded once, so that 59.9996 s reads 01:00.000 and not 00:60.000.

@@ -1,0 +1,63 @@
+"""The live run that the end of the service before this one cut off: whoever opens a page now is shown it."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+from pydantic import Field
+
+from server.errors import StoredUnreadable
+from server.library.folder import RunReader
+from server.library.runs import RunStore
+from server.mission.live_run import CUT_OFF_NOTE
+from sim.capture.snapshot import Published
+from sim.control.phases import Phase
+
+LAST_MOMENTS = 1.0
+"""Of a run, in which the phase that was cut off is looked for [s]: an orderly end stops the robot first."""
+
+log = logging.getLogger(__name__)
+
+
+class CutOffRun(Published):
+    """A run that was under way when the service ended."""
+
+    run_id: str
+    phase: str = Field(description="In which the end of the service met it")
+    time: float = Field(description="Mission time of its last recorded tick [s]")
+
+
+def cut_off_run(store: RunStore) -> CutOffRun | None:
+    """The newest live run that has ended, if the end of a service cut it off; None if it ended by itself."""
+    reader = next(filter(_is_ended_live_run, store.newest()), None)
+    if reader is None or not _was_cut_off(reader):
+        return None
+    try:
+        phase = _last_phase(reader)
+    except (OSError, StoredUnreadable, ValueError) as error:  # its log is damaged: the library tells
+        log.warning("run %s was cut off, and does not tell in which phase: %s", reader.record.id, error)
+        return None
+    if phase is Phase.IDLE:
+        return None
+    return CutOffRun(run_id=reader.record.id, phase=phase.label, time=reader.record.duration)
+
+
+def _is_ended_live_run(reader: RunReader) -> bool:
+    return reader.record.kind in ("live", "fork") and reader.record.integrity is not None
+
+
+def _was_cut_off(reader: RunReader) -> bool:
+    record = reader.record
+    killed = record.integrity == "recovered" and record.status == "failed"
+    return record.outcome is None and (killed or record.note == CUT_OFF_NOTE)
+
+
+def _last_phase(reader: RunReader) -> Phase:
+    """The last phase in which the mission was under way, else the last one; idle without a tick."""
+    moments = [ticks["phase"] for ticks in reader.chunks(since=reader.record.duration - LAST_MOMENTS)]
+    if not moments:
+        return Phase.IDLE
+    phases = np.concatenate(moments)
+    under_way = phases[(phases != Phase.STOPPED) & (phases != Phase.IDLE)]
+    return Phase(int((under_way if len(under_way) else phases)[-1]))
