@@ -77,7 +77,7 @@ class ConfirmationNeeded(CaptureError):
         )
         super().__init__(
             f"the study has {cells} cells{duration}",
-            tip='send the same request with "confirm": true, or make the study smaller',
+            tip='start it all the same (over REST with "confirm": true), or make the study smaller',
         )
         self.cells = cells
         self.estimated_time = estimated_time

@@ -11,6 +11,49 @@ CaptureError
     └── LinkLost       the robot at the other end of the link is silent, late, or tells what cannot be
 """
 
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Cause(StrEnum):
+    """Why a mission ended without a cage. Titles and tips go by it; a message may be worded freely."""
+
+    DIVERGED = "diverged"
+    """The simulated state is not finite, or its momentum jumped."""
+    PLANT_FAILED = "plant_failed"
+    """A plant cannot be trusted for another reason."""
+    BECALM_FAILED = "becalm_failed"
+    """A mistake of Becalm's own."""
+    JOINT_BLOCKED = "joint_blocked"
+    """A joint does not follow what it is commanded."""
+    SEVERAL_ROBOTS = "several_robots"
+    """Another robot than the one that is flown is heard."""
+    SESSION_TAKEN = "session_taken"
+    """Another console holds the robot, or nobody does."""
+    ROBOT_STOPPED = "robot_stopped"
+    """The robot follows no commands, for a reason that it names."""
+    NO_ANSWER = "no_answer"
+    """The robot did not acknowledge what it was asked, or not soon enough."""
+    READING_REFUSED = "reading_refused"
+    """A stream's readings are not believed."""
+    READING_JUMPED = "reading_jumped"
+    """A reading is farther from the one before than anything moves."""
+    CLOCK_JUMPED = "clock_jumped"
+    """The robot's clock jumped."""
+    SENSOR_FROZEN = "sensor_frozen"
+    """A noisy sensor repeats itself."""
+    ROBOT_SILENT = "robot_silent"
+    """No joint states come."""
+    STREAM_LATE = "stream_late"
+    """A needed stream is too old, or does not come."""
+    TARGET_EJECTED = "target_ejected"
+    """The verdict: the target left the robot's reach."""
+    BASE_STRUCK = "base_struck"
+    """The verdict: the target struck the base."""
+    TIME_UP = "time_up"
+    """The verdict: not caged within the time limit."""
+
 
 class CaptureError(Exception):
     """Anything that Becalm itself refuses or gives up on; `tip` says what a person can do."""
@@ -35,10 +78,18 @@ class RunNotFound(CaptureError):
 class PlantError(CaptureError):
     """The plant can no longer be trusted."""
 
+    cause = Cause.PLANT_FAILED
+
 
 class PlantDiverged(PlantError):
     """The plant's state is not finite, or its momentum jumped."""
 
+    cause = Cause.DIVERGED
+
 
 class LinkLost(PlantError):
     """The robot at the other end of the link is silent, late, or tells what cannot be."""
+
+    def __init__(self, message: str, *, cause: Cause, tip: str = "") -> None:
+        super().__init__(message, tip=tip)
+        self.cause = cause

@@ -6,6 +6,9 @@ while it is heard nothing is flown, because poses and wrenches do not say whose 
 
 from __future__ import annotations
 
+from server.link.trouble import Trouble
+from sim.errors import Cause
+
 SILENCE = 1.0
 """A robot that was not heard for so long is gone [s]."""
 MOST_OTHERS = 8
@@ -41,14 +44,16 @@ class Identity:
         """The robots that are heard beside it."""
         return tuple(each for each, at in list(self._others.items()) if now - at <= SILENCE)
 
-    def trouble(self, now: float) -> str | None:
+    def trouble(self, now: float) -> Trouble | None:
         """Why no robot can be flown while others are heard."""
-        others = self.others(now)
+        others = ", ".join(self.others(now))
         if not others:
             return None
         if not self.robot or now - self._heard > SILENCE:
-            return f"another robot answers: {', '.join(others)}, and this console flies {self.name or self.robot}"
-        return f"two robots answer on the same keys, {self.robot} and {', '.join(others)}: none is flown"
+            words = f"another robot answers: {others}, and this console flies {self.name or self.robot}"
+        else:
+            words = f"two robots answer on the same keys, {self.robot} and {others}: none is flown"
+        return Trouble(Cause.SEVERAL_ROBOTS, words)
 
     def _note(self, robot: str, at: float) -> None:
         if robot not in self._others and len(self._others) >= MOST_OTHERS:

@@ -24,8 +24,10 @@ from server.link.refusals import Refusals, ThrottledLog
 from server.link.reports import RobotReports
 from server.link.session import LinkSession
 from server.link.streams import OtherClock, Stream
+from server.link.trouble import Trouble
 from server.link.wire import Echo, JointSample, PlaneSample, StatusReport, WireError
 from sim.compiled import FloatArray
+from sim.errors import Cause
 
 STEADY_SPAN = 1.0
 """How long the robot must have been heard without a gap before a mission begins; what broke is reported as long [s]."""
@@ -63,7 +65,7 @@ class Expectations(NamedTuple):
 class _Broken(NamedTuple):
     """What one reading showed to be broken."""
 
-    reason: str
+    trouble: Trouble
     at: float
 
 
@@ -146,7 +148,7 @@ class Reception:
         )
         return all(steady) and self.perception.complete and self.other_clock.offset is not None
 
-    def trouble(self, now: float) -> str | None:
+    def trouble(self, now: float) -> Trouble | None:
         """Why what arrives cannot be flown with; None if it can."""
         others = self.identity.trouble(now)
         if others is not None:
@@ -157,7 +159,7 @@ class Reception:
                 return trouble
         return self._breakage(now) or self._silent(now) or self._jump()
 
-    def unheard(self, now: float) -> str | None:
+    def unheard(self, now: float) -> Trouble | None:
         """Why nobody tells a mode that counts, if somebody does."""
         refused = self.refusals[contract.MODE.key].age(now)
         return self._late(contract.MODE, None, now) if refused is not None and refused <= STEADY_SPAN else None
@@ -236,7 +238,7 @@ class Reception:
                 return fault
             jump = watch.jump(sample)
             if jump:
-                return self._break(channel, jump, at)
+                return self._break(channel, Trouble(Cause.READING_JUMPED, jump), at)
             self.perception.take_wrench(arm, watch.in_hand(sample))
             return ""
 
@@ -287,35 +289,38 @@ class Reception:
             self._throttled_log.warning("last_refusal", f"the robot refused {refusal}", at)
         return ""
 
-    def _break(self, channel: Channel, reason: str, at: float) -> str:
+    def _break(self, channel: Channel, shown: Trouble, at: float) -> str:
         """A reading that shows its sensor to be broken ends what is flown, however good the next one is."""
-        self._broken[channel.key] = _Broken(f"{name_of(channel)}: {reason}", at)
-        return reason
+        trouble = shown._replace(message=f"{name_of(channel)}: {shown.message}")
+        self._broken[channel.key] = _Broken(trouble, at)
+        return shown.message
 
-    def _breakage(self, now: float) -> str | None:
-        recent = (each.reason for each in list(self._broken.values()) if now - each.at <= STEADY_SPAN)
+    def _breakage(self, now: float) -> Trouble | None:
+        recent = (each.trouble for each in list(self._broken.values()) if now - each.at <= STEADY_SPAN)
         return next(recent, None) or self.other_clock.jump(now, STEADY_SPAN)
 
-    def _trouble_of(self, channel: Channel, now: float) -> str | None:
+    def _trouble_of(self, channel: Channel, now: float) -> Trouble | None:
         stream, deadline = self._stream(channel), self._deadline()
         age = stream.age(now)
         if age is None or age > deadline:
             return self._late(channel, age, now)
         if channel in NOISY and self._expected.detect_freeze and stream.unchanged_for > deadline:
-            return f"{name_of(channel)} frozen: the same for {1e3 * stream.unchanged_for:.0f} ms"
+            words = f"{name_of(channel)} frozen: the same for {1e3 * stream.unchanged_for:.0f} ms"
+            return Trouble(Cause.SENSOR_FROZEN, words)
         return None
 
-    def _late(self, channel: Channel, age: float | None, now: float) -> str:
+    def _late(self, channel: Channel, age: float | None, now: float) -> Trouble:
         """Of a channel of which nothing was believed for so long [s]; None: ever."""
         refusals = self.refusals[channel.key]
         refused = refusals.age(now)
         if refused is not None and refused <= STEADY_SPAN:
-            return f"{name_of(channel)} refused: {refusals.reason}"
+            return Trouble(Cause.READING_REFUSED, f"{name_of(channel)} refused: {refusals.reason}")
         if age is None:
-            return f"{name_of(channel)}: none has come yet"
-        return f"no {name_of(channel)} for {1e3 * age:.0f} ms"
+            return Trouble(Cause.STREAM_LATE, f"{name_of(channel)}: none has come yet")
+        cause = Cause.ROBOT_SILENT if channel is contract.JOINT_STATES else Cause.STREAM_LATE
+        return Trouble(cause, f"no {name_of(channel)} for {1e3 * age:.0f} ms")
 
-    def _silent(self, now: float) -> str | None:
+    def _silent(self, now: float) -> Trouble | None:
         """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""
         deadline = self._deadline()
         mode = now - self.reports.at
@@ -326,14 +331,16 @@ class Reception:
             return self._late(contract.HEARTBEAT_ECHO, back, now)
         return None
 
-    def _jump(self) -> str | None:
+    def _jump(self) -> Trouble | None:
         deadline = self._deadline() * 1e9
         for body, estimate in (("base", self.perception.base), ("target", self.perception.target)):
             since = estimate.outlying_since
             if since is not None:
                 latest = self.streams[f"{contract.PREFIX}/{body}/pose"].latest
                 if latest - since > deadline:
-                    return f"{body} pose jumped: it has been where it cannot be for {1e-6 * (latest - since):.0f} ms"
+                    span = f"{1e-6 * (latest - since):.0f} ms"
+                    words = f"{body} pose jumped: it has been where it cannot be for {span}"
+                    return Trouble(Cause.READING_JUMPED, words)
         return None
 
 

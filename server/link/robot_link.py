@@ -25,13 +25,14 @@ from server.link.perception import Perception
 from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
 from server.link.reports import parse_count
 from server.link.session import LinkSession, Transport
+from server.link.trouble import Trouble
 from server.link.wire import JointCommand, JointSample, RobotCall, StatusReport
 from server.process.realtime import realtime_priority
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.control.phases import Command
-from sim.errors import LinkLost, MissionRefused
+from sim.errors import Cause, LinkLost, MissionRefused
 from sim.plant.engine import simulated_plant
 from sim.plant.scripted_plant import ScriptedPlant
 from sim.record import Record
@@ -223,7 +224,7 @@ class RobotLink:
         with self._change:
             self.reception.perception.write_state(joints, state)
 
-    def trouble(self) -> str | None:
+    def trouble(self) -> Trouble | None:
         """Why what arrives cannot be flown with now; None if it can."""
         return self.reception.trouble(time.monotonic())
 
@@ -247,7 +248,8 @@ class RobotLink:
         reports = self.reports
         now = time.monotonic()
         if reports.latest is None or now - reports.at > max(0.5, self.settings.deadline):
-            raise MissionRefused(self.reception.unheard(now) or f"no robot is heard at {where}", tip=_TIP)
+            unheard = self.reception.unheard(now)
+            raise MissionRefused(unheard.message if unheard else f"no robot is heard at {where}", tip=_TIP)
         spoken = reports.value("contract")
         if spoken != contract.VERSION:
             raise MissionRefused(
@@ -258,9 +260,10 @@ class RobotLink:
             self.reception.reset()
             self._change.wait_for(self._settled, SETTLING_TIME)
             settled = self._settled()
-        trouble = self.trouble() or (None if settled else "it has not been heard without a gap for a second yet")
-        if trouble:
-            raise MissionRefused(f"the robot cannot be flown: {trouble}", tip=_TIP)
+        trouble = self.trouble()
+        why = trouble.message if trouble else "" if settled else "it has not been heard without a gap for a second yet"
+        if why:
+            raise MissionRefused(f"the robot cannot be flown: {why}", tip=_TIP)
 
     def _settled(self) -> bool:
         return self.reception.settled(time.monotonic())
@@ -284,7 +287,8 @@ class RobotLink:
                 answer = self._answer_to(name, session, sent)
             if answer is not None:
                 return answer
-        raise LinkLost(f"the robot did not acknowledge {name} within {ANSWER_TIME:g} s", tip=_TIP)
+        what = f"the robot did not acknowledge {name} within {ANSWER_TIME:g} s"
+        raise LinkLost(what, cause=Cause.NO_ANSWER, tip=_TIP)
 
     def _answer_to(self, name: str, session: str, stamps: set[int]) -> Answer | None:
         """The robot's answer to a request in that session of one of these stamps."""

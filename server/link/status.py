@@ -170,8 +170,14 @@ def status_of(link: RobotLink) -> LinkStatus:
         command_age=_command_age(link),
         latency=_latency(link, now),
         stop=_stop(link, now),
-        problem=link.trouble() if connected else "no other end of the link is connected",
+        problem=_problem(link) if connected else "no other end of the link is connected",
     )
+
+
+def _problem(link: RobotLink) -> str | None:
+    """Why the robot cannot be flown, in words."""
+    trouble = link.trouble()
+    return None if trouble is None else trouble.message
 
 
 def robot_data(link: RobotLink, now: float) -> RobotData:

@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from server.link.trouble import Trouble
 from sim.compiled import FloatArray
+from sim.errors import Cause
 
 WINDOW = 2.0
 """Rate, jitter and loss are those of the last seconds [s]."""
@@ -160,11 +162,11 @@ class OtherClock:
         """Judge the offset by what comes from now on: the other end may have another clock."""
         self._quickest.clear()
 
-    def jump(self, now: float, span: float) -> str | None:
+    def jump(self, now: float, span: float) -> Trouble | None:
         """By how much the other end's clock jumped within the last span [s]; None if it did not."""
         if self._jump is None or now - self._jump[1] > span:
             return None
-        return f"the robot's clock jumped by {1e3 * self._jump[0]:+.0f} ms"
+        return Trouble(Cause.CLOCK_JUMPED, f"the robot's clock jumped by {1e3 * self._jump[0]:+.0f} ms")
 
     @property
     def offset(self) -> float | None:

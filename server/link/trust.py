@@ -9,8 +9,10 @@ import numpy as np
 
 from server.link.bounds import Bounds, WristFrame
 from server.link.contract import CONTROL_RATE, JOINT_NAMES
+from server.link.trouble import Trouble
 from server.link.wire import JointSample, PlaneSample, printable
 from sim.compiled import FloatArray
+from sim.errors import Cause
 
 JUMP = 0.05
 """Farther than this beyond where its rates lead from one joint state to the next, a joint has jumped [rad]."""
@@ -165,26 +167,25 @@ class JointWatch:
         self._last = None
         self._drift = np.zeros((2, 3))
 
-    def drift(self, sample: JointSample) -> str:
-        """Which joint's angle does not go where its rate leads; empty if all do."""
+    def drift(self, sample: JointSample) -> Trouble | None:
+        """Which joint's angle does not go where its rate leads; None if all do."""
         last, self._last = self._last, sample
         if last is None:
-            return ""
+            return None
         dt, moved = 1e-9 * (sample.stamp - last.stamp), sample.angle - last.angle
         beyond = np.abs(moved) - dt * np.maximum(np.abs(sample.rate), np.abs(last.rate))
         worst = int(beyond.argmax())
         if beyond.flat[worst] > JUMP:
-            return f"{JOINT_NAMES[worst]} jumped by {abs(moved.flat[worst]):.3f} rad in {duration(dt)}"
+            words = f"{JOINT_NAMES[worst]} jumped by {abs(moved.flat[worst]):.3f} rad in {duration(dt)}"
+            return Trouble(Cause.READING_JUMPED, words)
         led: FloatArray = dt * sample.rate
         self._drift = self._drift * math.exp(-dt / DRIFT_TIME) + led - moved
         worst = int(np.abs(self._drift).argmax())
         if abs(float(self._drift.flat[worst])) <= DRIFT_LIMIT:
-            return ""
+            return None
         self._drift[:] = 0.0
-        rate = float(sample.rate.flat[worst])
-        return (
-            f"rate of {JOINT_NAMES[worst]} = {rate:.3g} rad/s does not fit how its angle changes; are they in degrees?"
-        )
+        rate = f"rate of {JOINT_NAMES[worst]} = {float(sample.rate.flat[worst]):.3g} rad/s"
+        return Trouble(Cause.READING_REFUSED, f"{rate} does not fit how its angle changes; are they in degrees?")
 
 
 def duration(seconds: float) -> str:

@@ -12,15 +12,17 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import NoReturn
 
 import numpy as np
 
 from server.link.contract import CONTROL_RATE, JOINT_NAMES, RobotMode
 from server.link.robot_link import SETTLING_TIME, RobotLink
+from server.link.trouble import Trouble
 from server.link.wire import JointSample
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.errors import ConfigError, LinkLost, MissionRefused
+from sim.errors import Cause, ConfigError, LinkLost, MissionRefused
 from sim.plant.plant import PLANT_STATE
 from sim.record import Record
 
@@ -81,7 +83,7 @@ class ZenohPlant:
             link.reset_perception()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
         link.write_state(joints, self._state)
-        self._lost = ""
+        self._lost: LinkLost | None = None
         self._begun = threading.Event()
         self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
         self._holder.start()
@@ -108,10 +110,11 @@ class ZenohPlant:
             self._begun.set()
             self._holder.join()
         joints = link.await_joints(self._last, link.settings.deadline)
-        problem = self._problem(joints)
-        if problem is not None or joints is None:
-            link.stop()
-            raise LinkLost(problem or "the robot is silent", tip="fix the robot or its network, then reset")
+        if joints is None:
+            self._give_up(self._silence())
+        trouble = self._trouble(joints)
+        if trouble is not None:
+            self._give_up(trouble)
         if self._first is None:
             self._first = joints.stamp
         self._state["tick"] += 1
@@ -140,45 +143,65 @@ class ZenohPlant:
         """
         self._holder.join(span)
         if not self._holder.is_alive():
-            raise LinkLost(f"the robot was lost within {span:g} s: {self._lost}", tip="it is tried again")
+            lost = self._lost
+            cause = lost.cause if lost else Cause.NO_ANSWER
+            raise LinkLost(f"the robot was lost within {span:g} s: {lost}", cause=cause, tip="it is tried again")
 
     @property
     def _stopping(self) -> bool:
         """Whether a STOP was asked for here: it is sent to the robot at once, before this mission hears of it."""
         return self._stopped or self._link.stop_sent is not None
 
-    def _problem(self, joints: JointSample | None) -> str | None:
+    def _give_up(self, trouble: Trouble) -> NoReturn:
+        """Send a STOP, and fly on no more.
+
+        Raises:
+            LinkLost: for that reason.
+
+        """
+        self._link.stop()
+        raise LinkLost(trouble.message, cause=trouble.cause, tip="fix the robot or its network, then reset")
+
+    def _silence(self) -> Trouble:
+        """Why no joint state came."""
+        age = self._link.age() or 0.0
+        return self._link.trouble() or Trouble(Cause.ROBOT_SILENT, f"no joint states for {1e3 * age:.0f} ms")
+
+    def _trouble(self, joints: JointSample) -> Trouble | None:
         """Why the robot cannot be flown on."""
         link, deadline = self._link, self._link.settings.deadline
-        if joints is None:
-            age = link.age() or 0.0
-            return link.trouble() or f"no joint states for {1e3 * age:.0f} ms"
         stale = link.staleness(joints.stamp)
         if stale > deadline:
-            return f"joint states late: what arrives is {1e3 * stale:.0f} ms old"
+            return Trouble(Cause.STREAM_LATE, f"joint states late: what arrives is {1e3 * stale:.0f} ms old")
         if joints.stamp - self._last > deadline * 1e9:
-            return f"joint states jumped by {1e-6 * (joints.stamp - self._last):.0f} ms"
+            words = f"joint states jumped by {1e-6 * (joints.stamp - self._last):.0f} ms"
+            return Trouble(Cause.READING_JUMPED, words)
         return self._jumped(joints) or link.trouble() or self._lost_session() or self._lagging(joints)
 
-    def _jumped(self, joints: JointSample) -> str | None:
+    def _jumped(self, joints: JointSample) -> Trouble | None:
         """Whether a joint is where it cannot have come to since the last state."""
         moved = np.abs(joints.angle - self._angle)
         worst = int(moved.argmax())
         fastest = max((float(np.abs(rate).max()) for rate in self._recent_commands), default=0.0)
         reach = JUMP + 1e-9 * (joints.stamp - self._last) * fastest
-        return f"{JOINT_NAMES[worst]} jumped by {moved.flat[worst]:.3f} rad" if moved.flat[worst] > reach else None
+        if moved.flat[worst] <= reach:
+            return None
+        return Trouble(Cause.READING_JUMPED, f"{JOINT_NAMES[worst]} jumped by {moved.flat[worst]:.3f} rad")
 
-    def _lost_session(self) -> str | None:
+    def _lost_session(self) -> Trouble | None:
         """Whether the robot follows this session no more, though nobody stopped it here."""
         report = self._link.reports.of_session
         if report is None or self._stopping:
             return None
         holder, why = report.values.get("session", ""), report.values.get("why", "")
         if holder != self._link.session:
-            return f"the robot has let this session go; it is held by {holder or 'nobody'}"
-        return None if report.message == RobotMode.FOLLOWING else f"the robot is {report.message}: {why}"
+            words = f"the robot has let this session go; it is held by {holder or 'nobody'}"
+            return Trouble(Cause.SESSION_TAKEN, words)
+        if report.message == RobotMode.FOLLOWING:
+            return None
+        return Trouble(Cause.ROBOT_STOPPED, f"the robot is {report.message}: {why}")
 
-    def _lagging(self, joints: JointSample) -> str | None:
+    def _lagging(self, joints: JointSample) -> Trouble | None:
         """Whether a joint does not follow its commanded rate."""
         if self._stopping or not self._recent_commands:
             return None
@@ -189,14 +212,16 @@ class ZenohPlant:
         )
         worst = int(np.abs(self._lag).argmax())
         behind = abs(float(self._lag.flat[worst]))
-        return f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind" if behind > LAG_LIMIT else None
+        if behind <= LAG_LIMIT:
+            return None
+        return Trouble(Cause.JOINT_BLOCKED, f"{JOINT_NAMES[worst]} does not follow: {behind:.3f} rad behind")
 
     def _hold_until_begun(self) -> None:
         """Answer the robot while the mission that flies it is made, and its log; what is wrong shows when it begins."""
         try:
             self._hold_still(self._begun.is_set, "its session was opened", BEGIN_TIME)
         except LinkLost as error:
-            self._lost = str(error)
+            self._lost = error
 
     def _hold_still(self, enough: Callable[[], bool], since: str, patience: float = SETTLING_TIME) -> JointSample:
         """Hold the arms still until that is so; the joint state then."""
@@ -206,8 +231,9 @@ class ZenohPlant:
             joints = link.await_joints(self._last, link.settings.deadline)
             trouble = link.trouble()
             if joints is None or trouble is not None or time.monotonic() > until:
-                why = f": {trouble}" if trouble is not None else ""
-                raise LinkLost(f"the robot was lost after {since}{why}", tip="reset to try again")
+                why = f": {trouble.message}" if trouble is not None else ""
+                cause = trouble.cause if trouble is not None else Cause.NO_ANSWER
+                raise LinkLost(f"the robot was lost after {since}{why}", cause=cause, tip="reset to try again")
             self._last, self._angle = joints.stamp, joints.angle
             link.command(joints.stamp, np.zeros((2, 3)))
             if enough():

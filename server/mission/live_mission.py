@@ -25,7 +25,7 @@ from sim.capture.replay import FlightHistory, Intervention
 from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
 from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
-from sim.errors import MissionRefused, PlantDiverged, PlantError
+from sim.errors import Cause, MissionRefused, PlantError
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
 RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
@@ -211,7 +211,7 @@ class LiveMission:
             self.run.keep(rows)
             self._keep(rows)
         if self._mission.phase is Phase.FAULTED:
-            self.fail(self._mission.fault or PlantDiverged("the plant can no longer be trusted"))
+            self.fail(self._mission.fault or PlantError("the plant can no longer be trusted"))
             return len(rows)
         self._take_events()
         self._note_stillness()
@@ -220,10 +220,13 @@ class LiveMission:
     def fail(self, error: Exception) -> None:
         """The plant can no longer be trusted: the phase is `FAULTED`, and the operator sees why."""
         log.error("the mission failed at %.3f s", self.time, exc_info=error)
-        self._failure = str(error) if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
+        fault = error if isinstance(error, PlantError) else None
+        cause, words = (fault.cause, str(fault)) if fault else (Cause.BECALM_FAILED, f"{type(error).__name__}: {error}")
+        self._failure = words
         self._take_events()
         if error is not self._mission.fault:  # else the mission has reported it
-            self._note(Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=self._failure))
+            event = Event(time=self.time, tick=self.tick, kind="fault", severity="error", message=words, cause=cause)
+            self._note(event)
         self.run.fail(self._failure)
 
     def snapshot(self) -> Snapshot:

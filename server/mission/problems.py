@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.mission.causes import cause_of
+from server.mission.causes import CAUSE_WORDS
 from server.published import Problem
 from sim.capture.events import Event
 
@@ -27,8 +27,8 @@ def problem_of(event: Event) -> Problem | None:
     """The event as a problem with a title and a tip; None if there is nothing to do about it."""
     if event.severity == "info":
         return None
-    if event.kind in ("link", "fault", "verdict"):
-        _, title, tip = cause_of(event.kind, event.message)
+    if event.cause is not None:
+        title, tip = CAUSE_WORDS[event.cause]
     elif event.kind in _TITLES:
         title, tip = _TITLES[event.kind], _TIPS[event.kind]
     else:

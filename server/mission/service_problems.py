@@ -6,7 +6,7 @@ from typing import Literal
 
 from server.library.recorder import Recorder
 from server.link.robot_link import RobotLink
-from server.mission.causes import cause_of
+from server.mission.causes import CAUSE_WORDS
 from server.mission.live_mission import LiveMission
 from server.mission.pace import Pace
 from server.process.disk import FAULT_TIP, DiskGuard
@@ -62,9 +62,12 @@ class ServiceProblems:
         trouble, age = link.trouble(), link.age(now)
         heard = "never heard" if age is None else f"last heard {age:.1f} s ago"
         unheard = age is None or age > link.settings.deadline
-        message = None if trouble is None else f"{trouble}; robot {heard}" if unheard else trouble
-        title = "The robot cannot be flown now" if trouble is None else f"{cause_of('link', trouble).title} now"
-        _show(flying, "link_now", message, title, "reset is possible when it can be flown again")
+        if trouble is None:
+            flying.problems.clear("link_now")
+        else:
+            message = f"{trouble.message}; robot {heard}" if unheard else trouble.message
+            title = f"{CAUSE_WORDS[trouble.cause].title} now"
+            _show(flying, "link_now", message, title, "reset is possible when it can be flown again")
         stop_missing = link.stop_sent is not None and link.stop_acknowledged_after is None
         _show(
             flying,

@@ -11,7 +11,7 @@ from pydantic import Field
 from sim.capture.snapshot import Outcome, OutcomeClass, Published, Touch
 from sim.config import MissionConfig
 from sim.control.phases import Activity, Phase
-from sim.errors import LinkLost, PlantError
+from sim.errors import Cause, LinkLost, PlantError
 
 Severity = Literal["info", "warning", "error"]
 Ticks = np.ndarray[Any, np.dtype[Any]]
@@ -28,6 +28,7 @@ class Event(Published):
     )
     severity: Severity
     message: str
+    cause: Cause | None = Field(None, description="Of a fault, of a lost link and of a verdict without a cage")
 
 
 class _Flag(NamedTuple):
@@ -143,18 +144,29 @@ def locked_event(time: float, period: float) -> Event:
 
 def fault_event(fault: PlantError, time: float, period: float) -> Event:
     """The event of a plant that can no longer be trusted, or of a link that is lost."""
-    return _event_at(time, period, "link" if isinstance(fault, LinkLost) else "fault", "error", str(fault))
+    kind = "link" if isinstance(fault, LinkLost) else "fault"
+    return _event_at(time, period, kind, "error", str(fault), fault.cause)
 
 
 def verdict_event(outcome: Outcome, time: float, period: float) -> Event:
     """The event of a verdict."""
     failed = outcome.at_locked_arms in (OutcomeClass.EJECTION, OutcomeClass.BASE_COLLISION, OutcomeClass.UNRESOLVED)
     severity: Severity = "info" if outcome.caged else "error" if failed else "warning"
-    return _event_at(time, period, "verdict", severity, verdict_in_words(outcome))
+    cause = None if outcome.caged else _VERDICT_CAUSES.get(outcome.at_locked_arms, Cause.TIME_UP)
+    return _event_at(time, period, "verdict", severity, verdict_in_words(outcome), cause)
 
 
-def _event_at(time: float, period: float, kind: str, severity: Severity, message: str) -> Event:
-    return Event(time=time, tick=round(time / period), kind=kind, severity=severity, message=message)
+_VERDICT_CAUSES = {
+    OutcomeClass.EJECTION: Cause.TARGET_EJECTED,
+    OutcomeClass.BASE_COLLISION: Cause.BASE_STRUCK,
+}
+
+
+def _event_at(
+    time: float, period: float, kind: str, severity: Severity, message: str, cause: Cause | None = None
+) -> Event:
+    tick = round(time / period)
+    return Event(time=time, tick=tick, kind=kind, severity=severity, message=message, cause=cause)
 
 
 def verdict_in_words(outcome: Outcome) -> str:

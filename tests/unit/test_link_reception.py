@@ -24,6 +24,7 @@ from server.link.robot_emulator import OBEYED, RobotSettings, _Robot
 from server.link.session import Transport
 from server.link.wire import Echo, JointCommand, JointSample, PlaneSample, RobotCall, StatusReport
 from sim.configurations import named_configuration
+from sim.errors import Cause
 
 CONFIG = named_configuration("testbed")
 ROBOT, OTHER = "testbed.1f", "testbed.2e"
@@ -69,7 +70,7 @@ class Console:
     def __init__(self, time: Time, **expected) -> None:
         self.time = time
         wrists = expected.pop("wrists", (WristFrame(frame="left_hand"), WristFrame(frame="right_hand")))
-        expectations = Expectations(Bounds(), "world", wrists, detect_freeze=False)
+        expectations = Expectations(Bounds(), "world", wrists, expected.pop("detect_freeze", False))
         self.identity = Identity()
         self.reception = Reception(
             CONSOLE, expectations, self.identity, Perception(CONFIG, 0.12), time, lambda: DEADLINE
@@ -112,7 +113,13 @@ class Console:
 
     @property
     def trouble(self) -> str | None:
-        return self.reception.trouble(self.time.monotonic())
+        trouble = self.reception.trouble(self.time.monotonic())
+        return None if trouble is None else trouble.message
+
+    @property
+    def cause(self) -> Cause | None:
+        trouble = self.reception.trouble(self.time.monotonic())
+        return None if trouble is None else trouble.cause
 
     def refusals(self, channel):
         return self.reception.refusals[channel.key]
@@ -181,6 +188,7 @@ def _pose(quaternion=(0.0, 0.0, 0.0, 1.0), place=(0.0, 0.35, 0.0), frame="world"
 def test_what_cannot_be_believed_is_refused_by_its_name(console, caplog, stream, made, words):
     console.periods(50, **{stream: made})
     assert str(console.trouble).startswith(words)
+    assert console.cause is Cause.READING_REFUSED
     assert console.reception.settled(console.time.monotonic()) is False
     channel = next(each for each in contract.STREAMS if reception.name_of(each) == words.partition(" refused")[0])
     assert console.refusals(channel).count == 50
@@ -215,7 +223,27 @@ def test_a_stream_whose_stamp_stands_still_runs_late(console, stream):
         return held[name]
 
     console.periods(60, **{stream: lambda stamp: frozen(stamp, stream)})
-    assert console.trouble is not None
+    assert console.cause is Cause.READING_REFUSED
+
+
+@pytest.mark.parametrize(
+    ("stream", "cause"),
+    [("joints", Cause.ROBOT_SILENT), ("left", Cause.STREAM_LATE), ("target", Cause.STREAM_LATE),
+     ("mode", Cause.STREAM_LATE)],
+)  # fmt: skip
+def test_what_comes_no_more_is_told_by_its_cause(console, stream, cause):
+    for _ in range(60):
+        console.period(**{stream: None})
+    assert console.cause is cause
+
+
+def test_a_sensor_that_repeats_itself_is_frozen(monkeypatch):
+    time = Time()
+    monkeypatch.setattr(reception, "time", SimpleNamespace(monotonic=time.monotonic))
+    console = Console(time, detect_freeze=True)
+    console.periods(60)
+    assert str(console.trouble).startswith("left wrist wrench frozen: the same for")
+    assert console.cause is Cause.SENSOR_FROZEN
 
 
 @pytest.mark.parametrize("force", [20.0, -20.0, 49.0])
@@ -223,6 +251,7 @@ def test_one_reading_of_a_wrist_that_jumps_ends_what_is_flown(console, force):
     console.periods(1, left=_wrench(value=(force, 0.0, 0.0)))
     state_force = console.reception.perception._wrench[0].copy()
     assert "left wrist wrench: force jumped by" in str(console.trouble)
+    assert console.cause is Cause.READING_JUMPED
     assert not state_force.any()  # it moves nothing
     console.periods(1)
     assert "jumped" in str(console.trouble)  # however good the next one is
@@ -251,6 +280,7 @@ def test_a_second_robot_grounds_both_and_nothing_of_it_is_believed(console):
     console.hear(contract.JOINT_STATES, joints(console.time.robot + MS))
     assert console.reception.joints is before
     assert f"two robots answer on the same keys, {ROBOT} and {OTHER}" in str(console.trouble)
+    assert console.cause is Cause.SEVERAL_ROBOTS
     mode = wire.encode_report(StatusReport(console.time.robot, OTHER, "robot", True, "following", {"session": "x.1"}))
     console.hear(contract.MODE, mode)
     assert console.reception.reports.value("session") == ""
@@ -270,6 +300,7 @@ def test_a_clock_that_jumps_is_reported_and_known_again(console):
     echo = Echo(console.time.robot + 3_000 * MS, sent, f"{CONSOLE}.1", ROBOT)
     console.hear(contract.HEARTBEAT_ECHO, wire.encode_echo(echo))
     assert console.trouble == "the robot's clock jumped by +3000 ms"
+    assert console.cause is Cause.CLOCK_JUMPED
 
 
 def test_an_answer_to_a_heartbeat_that_was_never_sent_does_not_set_the_clock(console):

@@ -12,6 +12,7 @@ from server.link.bounds import Bounds, WristFrame
 from server.link.identity import MOST_OTHERS, SILENCE, Identity
 from server.link.wire import JointSample, PlaneSample
 from server.settings import Settings
+from sim.errors import Cause
 
 MS = 1_000_000
 SECOND = 1000 * MS
@@ -89,20 +90,21 @@ def test_joints_in_degrees_are_suspected(what, value, words):
 @pytest.mark.parametrize("rate", [0.05, -0.5])
 @pytest.mark.parametrize("factor", [1.0, math.degrees(1.0)])
 def test_rates_in_degrees_beside_angles_in_radians_are_noticed(rate, factor):
-    watch, told = trust.JointWatch(), ""
+    watch, found = trust.JointWatch(), None
     for step in range(200):
         angle = np.full((2, 3), rate * 0.005 * step)
-        told = told or watch.drift(JointSample(NOW + 5 * MS * step, angle, np.full((2, 3), rate * factor)))
-    assert bool(told) == (factor > 1.0)
-    assert factor == 1.0 or "degrees" in told
+        found = found or watch.drift(JointSample(NOW + 5 * MS * step, angle, np.full((2, 3), rate * factor)))
+    assert (found is not None) == (factor > 1.0)
+    assert found is None or (found.cause is Cause.READING_REFUSED and "degrees" in found.message)
 
 
 def test_a_joint_that_jumps_is_named():
     watch, angle = trust.JointWatch(), np.zeros((2, 3))
-    assert not watch.drift(JointSample(NOW, angle, angle))
+    assert watch.drift(JointSample(NOW, angle, angle)) is None
     angle = angle.copy()
     angle[0, 2] = 0.5
-    assert "left_joint_3 jumped by 0.500 rad" in watch.drift(JointSample(NOW + 5 * MS, angle, np.zeros((2, 3))))
+    trouble = watch.drift(JointSample(NOW + 5 * MS, angle, np.zeros((2, 3))))
+    assert trouble == (Cause.READING_JUMPED, "left_joint_3 jumped by 0.500 rad in 5 ms")
 
 
 @pytest.mark.parametrize(

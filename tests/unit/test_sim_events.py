@@ -10,6 +10,7 @@ from sim.capture.snapshot import Outcome, OutcomeClass, Touch
 from sim.capture.tick import TICK
 from sim.config import MissionConfig
 from sim.control.phases import Activity, Phase
+from sim.errors import Cause
 
 CONFIG = MissionConfig()
 PERIOD = CONFIG.control.period
@@ -128,19 +129,20 @@ class TestTouchEvents:
 class TestVerdict:
     def test_caged(self):
         event = verdict_event(outcome(), 23.6, PERIOD)
-        assert (event.kind, event.severity) == ("verdict", "info")
+        assert (event.kind, event.severity, event.cause) == ("verdict", "info", None)
         assert "Caged with a margin of 5.4 mm" in event.message
         assert "0.64 N" in event.message
 
     @pytest.mark.parametrize(
-        ("kind", "words"),
+        ("kind", "words", "cause"),
         [
-            (OutcomeClass.EJECTION, "left the robot's reach"),
-            (OutcomeClass.BASE_COLLISION, "struck the base"),
-            (OutcomeClass.UNRESOLVED, "not caged"),
+            (OutcomeClass.EJECTION, "left the robot's reach", Cause.TARGET_EJECTED),
+            (OutcomeClass.BASE_COLLISION, "struck the base", Cause.BASE_STRUCK),
+            (OutcomeClass.UNRESOLVED, "not caged", Cause.TIME_UP),
         ],
     )
-    def test_failure_says_what_failed(self, kind, words):
+    def test_failure_says_what_failed(self, kind, words, cause):
         failed = outcome(outcome=kind, at_first_closure=kind, at_locked_arms=kind, caged=False, cage_margin=None)
         assert words in verdict_in_words(failed)
-        assert verdict_event(failed, 9.0, PERIOD).severity == "error"
+        event = verdict_event(failed, 9.0, PERIOD)
+        assert (event.severity, event.cause) == ("error", cause)

@@ -145,7 +145,7 @@ function Start({ request, faults, estimate, refusal, onStarted }: {
       {trouble === null && <p className={styles.estimate} role="status">{words}</p>}
       {trouble && (
         <div className={styles.trouble} role="alert">
-          <Icon sign="error" /> <strong>{trouble.message}</strong> <span>{trouble.tip.includes('"confirm"') ? "" : trouble.tip}</span>
+          <Icon sign="error" /> <strong>{trouble.message}</strong> <span>{trouble.tip}</span>
         </div>
       )}
       <Button variant="filled" disabled={busy || request === null || against !== null} title={against ?? undefined} onClick={() => { if (request !== null) void start({ ...request, confirm: estimate?.confirmation_needed ?? false }); }}>
