@@ -31,6 +31,7 @@ from sim.config import (
 )
 from sim.errors import ConfigError
 from sim.model.clearance import initial_overlap
+from sim.model.inertia import Outline, outlines
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
 MOST_CHANGES = 4 * len(PARAMETERS)
@@ -44,8 +45,6 @@ LONGEST_NAME = 100
 
 MOST_FINDINGS = 8
 """Values that a message tells of; it says how many more there are."""
-
-_TARGET_BODY = ("target.side", "target.mass", "target.inertia")
 
 
 def _printed() -> MissionConfig:
@@ -143,8 +142,9 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
             explained(error),
             tip="the console and GET /api/v1/mission/config/schema list every parameter with its bounds",
         ) from None
-    if any(value_at(result, path) != value_at(config, path) for path in _TARGET_BODY):
-        require_inertia_of_its_size(result.target)
+    for body in outlines(result):
+        if any(value_at(result, path) != value_at(config, path) for path in body.parameters):
+            require_inertia_of_its_size(result, body)
     require_clear_start(result)
     return result
 
@@ -171,20 +171,28 @@ def require_bounded(changes: Mapping[str, Any]) -> None:
     raise ConfigError(f"changes = more than {DEEPEST_CHANGE} levels", tip=tip)
 
 
-def require_inertia_of_its_size(target: TargetConfig) -> None:
-    """Refuse a target whose moment of inertia no square of its side and mass can have.
+def require_inertia_of_its_size(config: MissionConfig, body: Outline) -> None:
+    """Refuse a centre of mass outside of its body, and a moment of inertia that no body of its size can have.
 
     Raises:
-        ConfigError: more than with all of the mass in the corners.
+        ConfigError: the message names the parameters; the tip has what would be right.
 
     """
-    most = target.mass * target.side**2 / 2.0
-    if target.inertia <= most:
+    size = ", ".join(f"{path} = {value_at(config, path):g} m" for path in body.shape)
+    if min(body.behind, body.ahead) < 0.0:
+        centre = value_at(config, body.place)
+        low, high = centre - body.behind, centre + body.ahead
+        raise ConfigError(
+            f"{body.place} = {centre:g} m: the centre of mass of a {body.what} of {size} lies within it",
+            tip=f"it can be from {low:.4g} to {high:.4g} m",
+        )
+    if body.inertia <= body.most:
         return
+    placed = f", {body.place} = {value_at(config, body.place):g} m" if body.place else ""
     raise ConfigError(
-        f"target.inertia = {target.inertia:g} kg m2: a square of target.side = {target.side:g} m and target.mass = "
-        f"{target.mass:g} kg has at most {most:.4g} kg m2, with all of its mass in its corners",
-        tip=f"change the three together; an even plate has mass x side^2 / 6 = {most / 3.0:.4g} kg m2",
+        f"{body.group}.inertia = {body.inertia:g} kg m2: a {body.what} of {size}{placed} and {body.group}.mass = "
+        f"{body.mass:g} kg has at most {body.most:.4g} kg m2, with all of its mass in its corners",
+        tip=f"change them together; an even plate of that outline has {body.even_plate:.4g} kg m2",
     )
 
 

@@ -13,13 +13,18 @@ from pydantic import ValidationError
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, nested, revised
 from sim.errors import ConfigError
+from sim.model.inertia import outlines
 
 UNITS = {"m", "s", "kg", "kg m2", "N", "N m", "N/m", "N s/m", "rad", "rad/s", "m/s", "m2", "1", "1/s", "1/s2"}
 BOUNDS = ("ge", "gt", "le", "lt")
 NUMBERS = [path for path, field in PARAMETERS.items() if field.annotation in (float, int)]
 CHOICES = [path for path in PARAMETERS if path not in NUMBERS]
-OUT_OF_HARMS_WAY = {"target.initial_x", "target.initial_y", "target.side", "target.mass", "target.inertia"}
-"""Not varied at random: a target may then overlap the robot, or be none that there can be; each has its own reason."""
+OUT_OF_HARMS_WAY = {
+    "target.initial_x",
+    "target.initial_y",
+    *(path for body in outlines(MissionConfig()) for path in body.parameters),
+}
+"""Not varied at random: a target may then overlap the robot, or a body be none that there can be; with reasons."""
 
 
 def bounds_of(path: str) -> dict[str, float]:
@@ -116,6 +121,29 @@ class TestRefusal:
     @pytest.mark.parametrize("changes", [{"inertia": 0.0264}, {"inertia": 1e-4}, {"side": 0.1}, {"mass": 0.9}])
     def test_of_no_target_that_there_can_be(self, changes):
         assert revised(MissionConfig(), {"target": changes}).target
+
+    @pytest.mark.parametrize("body", outlines(MissionConfig()), ids=lambda body: body.group)
+    def test_of_an_inertia_that_no_body_of_its_size_can_have(self, body):
+        above, below = (nested({f"{body.group}.inertia": part * body.most}) for part in (1.001, 0.999))
+        with pytest.raises(ConfigError, match=rf"{body.group}\.inertia = .* at most .* kg m2") as refusal:
+            revised(MissionConfig(), above)
+        assert "even plate" in refusal.value.tip
+        assert revised(MissionConfig(), below)
+
+    @pytest.mark.parametrize(
+        ("changes", "named"),
+        [
+            ({"robot.base.centre_of_mass_ahead": 0.0801}, "robot.base.centre_of_mass_ahead"),
+            ({"robot.base.centre_of_mass_ahead": -0.0801}, "robot.base.centre_of_mass_ahead"),
+            ({"robot.arm.link_2.centre_of_mass": 0.196}, "robot.arm.link_2.centre_of_mass"),
+            ({"robot.arm.link_1.length": 0.2, "robot.arm.link_1.centre_of_mass": 0.22}, "link_1.centre_of_mass"),
+            ({"robot.arm.hand.centre_of_mass": 0.06}, "robot.arm.hand.centre_of_mass"),
+        ],
+    )
+    def test_of_a_centre_of_mass_outside_of_its_body(self, changes, named):
+        with pytest.raises(ConfigError, match=rf"{named} = .* lies within it") as refusal:
+            revised(MissionConfig(), nested(changes))
+        assert "it can be from" in refusal.value.tip
 
     def test_of_no_other_change_to_a_stored_configuration_that_has_one(self):
         stored = MissionConfig.model_validate({"target": {"inertia": 1.0}})
