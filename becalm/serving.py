@@ -17,6 +17,7 @@ import uvicorn
 from fastapi import FastAPI
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from becalm.ending import ENDING_SIGNALS
 from becalm.sockets import bound_socket
 from server.api.services import Services
 from server.app import create_app
@@ -36,8 +37,6 @@ LONGEST_END = 4.5
 SHUTDOWN_TIME = 2
 """How long open connections may take to end [s]; the whole service has 5 s."""
 
-ENDING_SIGNALS = (signal.SIGHUP, signal.SIGQUIT)
-"""What ends the service as SIGTERM and Ctrl-C do: its terminal is gone, or has been asked to end it."""
 UNHEEDED_SIGNALS = (signal.SIGUSR1, signal.SIGUSR2)
 """What other programs take as a wish that this one does not know; it would end it at once, without a stop."""
 

@@ -121,6 +121,25 @@ def _read_to_the_end(socket) -> None:
         socket.recv(PATIENCE)
 
 
+STARTING = """
+import os, signal, sys
+from becalm import cli, serving
+
+serving.create_app = lambda settings: os.kill(os.getpid(), int(sys.argv[1]))
+cli.main(["serve", "--no-open", "--port", "0"])
+"""
+"""A service that is asked to end while it is being put together."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+def test_a_service_that_is_asked_to_end_while_it_starts_ends_well(tmp_path, number):
+    environment = {**os.environ, "BECALM_DATA_DIR": str(tmp_path / "data")}
+    command = [sys.executable, "-c", STARTING, str(int(number))]
+    ended = subprocess.run(command, env=environment, timeout=PATIENCE, check=False, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert not (tmp_path / "data").exists()
+
+
 def test_sigterm_leaves_the_robot_at_rest_answers_everyone_and_closes_the_run(tmp_path):
     with _started(tmp_path, "--log-format", "json", "--log-level", "info") as (process, http):
         assert http.post("/runs", json={}).status_code == 202  # its worker takes seconds to start
@@ -141,6 +160,7 @@ def test_sigterm_leaves_the_robot_at_rest_answers_everyone_and_closes_the_run(tm
         with pytest.raises(websockets.ConnectionClosed):
             _read_to_the_end(socket)
     assert taken < ENDING_TIME
+    assert process.returncode == 0
     assert answers[0].status_code in (200, 503)  # flown to some tick, or refused: but answered
     reader = RunStore(tmp_path / "data" / "runs").read(run_id)
     assert (reader.record.status, reader.record.integrity) == ("cancelled", "complete")
