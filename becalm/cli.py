@@ -15,6 +15,7 @@ from typing import Any
 
 import click
 
+from becalm.ending import end_when_asked
 from becalm.setting_options import setting_options
 from becalm.tokens import token
 from becalm.typed import number_option, parse_setting
@@ -234,6 +235,7 @@ def serve(
         found = checking.checked(chosen)
         click.echo(json.dumps(found) if as_json else checking.as_text(found))
         return
+    end_when_asked()  # what is loaded next takes seconds
     from becalm.serving import serve as serve_until_ended  # noqa: PLC0415 - as above
 
     serve_until_ended(chosen.settings, open_page=sys.stdout.isatty() if open_page is None else open_page)
@@ -266,7 +268,7 @@ def run(
     from becalm import running, summary  # noqa: PLC0415 - the simulation takes a second to load
     from server.library.runs import RunStore  # noqa: PLC0415
 
-    store = RunStore(Settings.from_environment().data_dir / "runs")
+    store = RunStore(Settings.from_environment().data_dir / "runs").make_root()
     record = running.run(store, configuration, config, direct=direct, log=running.log_file(log) if log else None)
     assert record.outcome is not None, "a run without an outcome has raised"
     if as_json:

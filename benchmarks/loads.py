@@ -47,16 +47,16 @@ _BURST = 64
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [1.0, -1.0, 1.0],
-    "fov": 0.5,
+    "position": [1.0, -2.0, 3],
+    "fov": 0.45,
     "near": 0.01,
-    "far": 100.0,
+    "far": 1000.0,
     "image_height": 420,
     "image_width": 900,
-    "look_at": [0.0, 0.0, 0.0],
-    "up_direction": [0.0, 0.0, 1.0],
+    "look_at": [0.0, 0.5, 0.05],
+    "up_direction": [0, 0, 1],
 }
-"""What a browser says when its visitor turns the scene."""
+"""What a browser says when its visitor turns the scene; whole numbers come as such."""
 
 
 def signed_in() -> dict[str, str]:
@@ -248,7 +248,7 @@ def _exports(http: httpx.Client, run_id: str) -> None:
 
 def library(folder: Path, seconds: float = 60.0) -> str:
     """A library with one long run in it: its identifier."""
-    store = RunStore(folder / "runs")
+    store = RunStore(folder / "runs").make_root()
     record = new_record("scripted", "published", named_configuration("published"))
     store.create(record)
     pieces: list[TickArray] = []

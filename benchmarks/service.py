@@ -176,7 +176,7 @@ def lateness(running: Running, duration: float) -> Figures:
 def logs(folder: Path) -> Figures:
     """How fast a capture is written and exported, relative to real time and to flying it without a log."""
     prepare()
-    store = RunStore(folder / "runs")
+    store = RunStore(folder / "runs").make_root()
     record = new_record("scripted", "published", named_configuration("published"))
     store.create(record)
     before = time.perf_counter()

@@ -11,7 +11,7 @@ import stat
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO, TypeVar
+from typing import Any, BinaryIO, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json, to_json
@@ -108,20 +108,43 @@ def read_lines(path: Path, model: type[M], *, strict: bool = False, upgrade: Upg
 
     """
     damaged = 0
-    for number, line in enumerate(_lines(path), 1):
+    for number, document in enumerate(_documents(path, model, upgrade), 1):
+        if not isinstance(document, _Damage):
+            yield document
+        elif strict:
+            raise StoredUnreadable(f"line {number} of {path.name} is damaged: {document.why}")
+        else:
+            damaged += 1
+    if damaged:
+        log.warning("%s: %d damaged lines are left out", path, damaged)
+
+
+def damaged_lines(path: Path, model: type[BaseModel], *, upgrade: Upgrade | None = None) -> int:
+    """How many lines of a file of JSON lines `read_lines` leaves out.
+
+    Raises:
+        StoredUnreadable: the file cannot be read.
+
+    """
+    return sum(isinstance(document, _Damage) for document in _documents(path, model, upgrade))
+
+
+class _Damage(NamedTuple):
+    """In place of what a line would hold."""
+
+    why: str
+
+
+def _documents(path: Path, model: type[M], upgrade: Upgrade | None) -> Iterator[M | _Damage]:
+    for line in _lines(path):
         try:
             document = _validated(line, model, upgrade)
             if not finite(from_json(line)):
                 raise ValueError("a number in it is not finite")
         except (ValueError, RecursionError, ConfigError) as error:
-            if strict:
-                why = finding(error) if isinstance(error, ValidationError) else str(error)
-                raise StoredUnreadable(f"line {number} of {path.name} is damaged: {why}") from None
-            damaged += 1
-            continue
-        yield document
-    if damaged:
-        log.warning("%s: %d damaged lines are left out", path, damaged)
+            yield _Damage(finding(error) if isinstance(error, ValidationError) else str(error))
+        else:
+            yield document
 
 
 def _lines(path: Path) -> Iterator[bytes]:

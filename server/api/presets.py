@@ -7,9 +7,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Response
 from fastapi import Path as InPath
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from server.api.services import AskerDep, ServicesDep
+from server.edge.etags import IfNoneMatch, known_or_new
 from server.edge.problem_json import responses
 from server.edge.values import Changes, ShortText
 from server.instants import wall_clock
@@ -43,15 +44,20 @@ class KeptPreset(BaseModel):
     notices: tuple[str, ...] = Field(description="What this version ignores of it, and why")
 
 
-@router.get("", responses=responses(409, 422))
-async def presets(services: ServicesDep) -> list[KeptPreset]:
+_PRESETS = TypeAdapter(list[KeptPreset])
+
+
+@router.get("", response_model=list[KeptPreset], responses=responses(409, 422))
+async def presets(services: ServicesDep, if_none_match: IfNoneMatch = None) -> Response:
     """All of them, by name."""
-    return [_kept(preset) for preset in await asyncio.to_thread(services.presets.presets)]
+    kept = [_kept(preset) for preset in await asyncio.to_thread(services.presets.presets)]
+    return known_or_new(_PRESETS.dump_json(kept), if_none_match)
 
 
-@router.put("/{name}", responses=responses(409, 422))
+@router.put("/{name}", responses=responses(409, 422, 503))
 async def keep_preset(services: ServicesDep, asker: AskerDep, name: PresetName, body: PresetBody) -> KeptPreset:
     """Keep parameters by that name, in place of what it named before."""
+    await asyncio.to_thread(services.disk.require_folder)
     preset = Preset(name=name, configuration=body.configuration, changes=body.changes, who=asker, at=wall_clock())
     await asyncio.to_thread(services.presets.keep, preset)
     return _kept(preset)

@@ -43,7 +43,8 @@ from sim.errors import ConfigError, MissionRefused
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 
-MissionTime = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Since = Annotated[float | None, Query(alias="from", ge=0, allow_inf_nan=False, description="First mission time [s]")]
+Until = Annotated[float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")]
 RunId = Annotated[str, Path(description="Identifier of a run", examples=["20261122T113000123-4f9a2c"])]
 
 
@@ -155,6 +156,10 @@ class Run(RunSummary):
     """A run with the configuration that it was flown with."""
 
     config: MissionConfig
+    damaged_events: int | None = Field(
+        description="Lines of its events that cannot be read, and are left out of `/events`; null: none can be read. "
+        "Unless it is 0 the run cannot be forked or flown again"
+    )
 
 
 class Unreadable(BaseModel):
@@ -292,12 +297,8 @@ async def log(
     services: ServicesDep,
     run_id: RunId,
     log_format: Annotated[LogFormat, Query(alias="format", description="csv, parquet or mcap")] = "csv",
-    since: Annotated[
-        float | None, Query(alias="from", ge=0, allow_inf_nan=False, description="First mission time [s]")
-    ] = None,
-    until: Annotated[
-        float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")
-    ] = None,
+    since: Since = None,
+    until: Until = None,
 ) -> StreamingResponse:
     """Every recorded tick, one row each, streamed; of a run in progress what is on disk by now."""
     pieces = await services.aside.stream(_log, services.store.root, run_id, log_format, Span(since, until))
@@ -315,17 +316,14 @@ def _log(root: FilePath, run_id: str, log_format: LogFormat, span: Span) -> Iter
 async def ticks(
     services: ServicesDep,
     run_id: RunId,
-    since: Annotated[
-        float | None, Query(alias="from", ge=0, allow_inf_nan=False, description="First mission time [s]")
-    ] = None,
-    until: Annotated[
-        float | None, Query(alias="to", ge=0, allow_inf_nan=False, description="Last mission time [s]")
-    ] = None,
+    since: Since = None,
+    until: Until = None,
     points: Annotated[int, Query(ge=2, le=20_000, description="Rows at most")] = 2000,
+    if_none_match: IfNoneMatch = None,
 ) -> Response:
     """A run for plots, in the form of the live mission's history, with the extremes of every piece of time."""
     content = await services.aside.answer(_ticks, services.store.root, run_id, points, Span(since, until))
-    return Response(content, media_type="application/json")
+    return known_or_new(content, if_none_match)
 
 
 def _ticks(root: FilePath, run_id: str, points: int, span: Span) -> bytes:
@@ -335,10 +333,10 @@ def _ticks(root: FilePath, run_id: str, points: int, span: Span) -> bytes:
 
 
 @router.get("/{run_id}/events", response_model=list[LoggedEvent], responses=responses(404, 409, 503))
-async def events(services: ServicesDep, run_id: RunId) -> Response:
+async def events(services: ServicesDep, run_id: RunId, if_none_match: IfNoneMatch = None) -> Response:
     """What happened in a run: events, commands with their answers, parameter changes."""
     content = await services.aside.answer(_events, services.store.root, run_id)
-    return Response(content, media_type="application/json")
+    return known_or_new(content, if_none_match)
 
 
 def _events(root: FilePath, run_id: str) -> bytes:
@@ -380,7 +378,7 @@ def run_of(reader: RunReader) -> Run:
     """The run as it is shown."""
     fields = _fields(reader)
     fields["notices"] += reader.log_notices
-    return Run(**fields, config=reader.record.config)
+    return Run(**fields, config=reader.record.config, damaged_events=reader.damaged_events)
 
 
 def _fields(reader: RunReader) -> dict[str, Any]:

@@ -16,6 +16,7 @@ import os
 import stat
 import time
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from io import FileIO
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, Literal, NamedTuple
@@ -25,7 +26,7 @@ from mcap.records import ChunkIndex, Schema
 from pydantic import AllowInfNan, Field, Strict, StringConstraints, field_validator
 
 from server.errors import StoredUnreadable
-from server.files import read_document, read_lines, replace_file
+from server.files import damaged_lines, read_document, read_lines, replace_file
 from server.instants import instant, wall_clock
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
@@ -420,6 +421,12 @@ class RunWriter:
         return (self._folder / CANCEL_NAME).exists()
 
 
+@lru_cache(maxsize=256)
+def _damaged_events(path: Path, _changed_at: int, _size: int) -> int:
+    """Counted once for each state of the file."""
+    return damaged_lines(path, LoggedEvent, upgrade=_event_of_today)
+
+
 class RunReader:
     """Reads one run, also while it is written."""
 
@@ -467,6 +474,21 @@ class RunReader:
         except StoredUnreadable as error:
             return f"its star and notes cannot be read: {error}"
         return None
+
+    @property
+    def damaged_events(self) -> int | None:
+        """Lines of its events that cannot be read, and are left out wherever they are listed; None if none can be.
+
+        Of a run that has not ended nobody has looked yet: 0.
+        """
+        path = self._folder / EVENTS_NAME
+        try:
+            found = path.stat()
+            return _damaged_events(path, found.st_mtime_ns, found.st_size) if self.record.ended else 0
+        except FileNotFoundError:
+            return 0
+        except (OSError, StoredUnreadable):
+            return None
 
     @property
     def is_open(self) -> bool:

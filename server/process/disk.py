@@ -76,6 +76,16 @@ class DiskGuard:
         left, least = self.free / GIGABYTE, self._least_free / GIGABYTE
         return f"{left:.2f} GB are free where the runs lie, less than the {least:g} GB of min_free_gb"
 
+    def require_folder(self) -> None:
+        """Refuse to keep something where nothing can be kept, or beside the folder that the service was started with.
+
+        Raises:
+            DataFolderLost: the folder is gone, or cannot be written.
+
+        """
+        if fault := next(filter(None, map(_fault, self._needed)), None):
+            raise DataFolderLost(fault, tip=FAULT_TIP)
+
     def require_room(self) -> None:
         """Refuse to begin something that could not be kept, or would fill the disk.
 
@@ -84,7 +94,6 @@ class DiskGuard:
             DiskFull: less is free than there should be.
 
         """
-        if fault := next(filter(None, map(_fault, self._needed)), None):
-            raise DataFolderLost(fault, tip=FAULT_TIP)
+        self.require_folder()
         if self.warning:
             raise DiskFull(self.warning, tip="delete runs or studies, or move BECALM_DATA_DIR to a larger disk")

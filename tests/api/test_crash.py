@@ -128,7 +128,7 @@ def _awake(moments: list[float]) -> float:
 def test_kill_9_at_any_moment(tmp_path, reference):
     random = np.random.default_rng(4)
     for number in range(KILLS):
-        store = RunStore(tmp_path / str(number))
+        store = RunStore(tmp_path / str(number)).make_root()
         live = number % 3 == 0
         process, reading = _child((_fly_live if live else _fly_on_and_on)(store))
         reports = _killed(process, reading, float(random.uniform(0.0, 0.5 if live else 0.25)))
@@ -150,7 +150,7 @@ def test_kill_9_at_any_moment(tmp_path, reference):
 
 def test_full_disk_keeps_what_was_written(tmp_path, reference):
     """The system refuses to let a file grow further, as a full disk does."""
-    store = RunStore(tmp_path / "runs")
+    store = RunStore(tmp_path / "runs").make_root()
 
     def work(writing: int) -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

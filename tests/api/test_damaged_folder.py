@@ -28,7 +28,8 @@ def _ended(store, **fields):
 @pytest.fixture
 def damaged(settings):
     """Runs, studies and presets of which each has something else wrong; (what is good, what is bad)."""
-    store, studies = RunStore(settings.data_dir / "runs"), StudyStore(settings.data_dir / "studies")
+    store = RunStore(settings.data_dir / "runs").make_root()
+    studies = StudyStore(settings.data_dir / "studies").make_root()
     good, starred = _ended(store), _ended(store)
     (store.root / starred / "remarks.json").write_bytes(b'{"starred": true')
     spoils = (
@@ -133,3 +134,48 @@ async def test_a_data_folder_that_goes_and_comes_back_is_told(console, settings)
     assert "becalm_library_readable 0" in (await console.http.get("http://localhost/metrics")).text
     away.rename(settings.data_dir / "runs")
     assert run_id in [run["id"] for run in (await console.http.get("/runs")).json()["runs"]]
+
+
+async def test_a_mount_that_is_lost_under_the_service_is_told_and_nothing_is_written_in_its_place(console, settings):
+    run_id = _ended(console.services.store)
+    away = settings.data_dir.with_name("away")
+    settings.data_dir.rename(away)
+    settings.data_dir.mkdir()  # the empty folder on which it was mounted
+    lost = await console.until(lambda snapshot: any(each.title == "Nothing can be kept" for each in snapshot.problems))
+    (problem,) = (each for each in lost.problems if each.title == "Nothing can be kept")
+    assert (problem.severity, "is gone" in problem.message, "bring the folder back" in problem.tip) == (
+        "error", True, True,
+    )  # fmt: skip
+    preset = {"configuration": "published", "changes": {"target": {"mass": 2.0}}}
+    for answer in (
+        await console.http.post("/runs", json={}),
+        await console.http.post("/studies", json={"study": {"grid": {"target.mass": [2.0]}}}),
+        await console.http.put("/presets/lost", json=preset),
+    ):
+        assert answer.status_code == 503, answer.text
+    await console.granted("reset")  # the mission flies on, unrecorded
+    await console.granted("capture")
+    await console.until(lambda snapshot: any("not being recorded" in each.title for each in snapshot.problems))
+    assert list(settings.data_dir.iterdir()) == []
+    settings.data_dir.rmdir()
+    away.rename(settings.data_dir)
+    assert (await console.http.get(f"/runs/{run_id}")).status_code == 200
+    await console.until(lambda snapshot: not any(each.title == "Nothing can be kept" for each in snapshot.problems))
+    recorded = (await console.granted("reset"))["id"].partition("/")[0]
+    await console.granted("capture")
+    assert (await console.until_run(recorded, "running"))["id"] == recorded
+
+
+async def test_events_that_are_damaged_are_counted_on_their_run(console):
+    run_id = _ended(console.services.store)
+    events = console.services.store.root / run_id / "events.jsonl"
+    good = {"time": 0.1, "tick": 1, "kind": "touch", "severity": "info", "message": "it", "at": "now"}
+    events.write_text(json.dumps(good) + "\n")
+    assert (await console.http.get(f"/runs/{run_id}")).json()["damaged_events"] == 0
+    with events.open("a") as file:
+        file.write('{"kind": \n[[[\n' + json.dumps(good) + "\n")
+    assert (await console.http.get(f"/runs/{run_id}")).json()["damaged_events"] == 2
+    assert len((await console.http.get(f"/runs/{run_id}/events")).json()) == 2
+    events.unlink()
+    events.mkdir()  # one bad file costs what it held
+    assert (await console.http.get(f"/runs/{run_id}")).json()["damaged_events"] is None

@@ -15,6 +15,7 @@ from fastapi import FastAPI
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
+from benchmarks.loads import CAMERA
 from server.access.origin import SameOrigin
 from server.pages import scene_proxy
 from server.pages.scene_light import lightened
@@ -134,32 +135,16 @@ def test_what_is_no_frame_of_visers_is_passed_on_as_it_is(rubbish):
     assert lightened(rubbish) == rubbish
 
 
-def camera(**changes):
-    return {
-        "type": "ViewerCameraMessage",
-        "wxyz": [1.0, 0.0, 0.0, 0.0],
-        "position": [1.0, -2.0, 3.0],
-        "fov": 0.45,
-        "near": 0.01,
-        "far": 1000.0,
-        "image_height": 420,
-        "image_width": 900,
-        "look_at": [0.0, 0.5, 0.05],
-        "up_direction": [0.0, 0.0, 1.0],
-        **changes,
-    }
-
-
 def test_a_browser_says_where_its_camera_is_and_nothing_else():
     """What viser would keep and repeat to others, what it would stumble over, and what is no number stays outside."""
     scene = Scene(MissionConfig())
     with served(scene.start()) as address, socket_of(address) as stream:
         script = {"type": "RunJavascriptMessage", "source": "alert(1)"}
-        for strange in (b"rubbish", script, camera(position=[float("nan")] * 3), camera(type="Nothing")):
+        for strange in (b"rubbish", script, CAMERA | {"position": [float("nan")] * 3}, CAMERA | {"type": "Nothing"}):
             stream.send(strange if isinstance(strange, bytes) else msgspec.msgpack.encode(strange))
         stream.send("text")
         for number in range(5):
-            stream.send(msgspec.msgpack.encode(camera(position=[0.1 * number, -2.0, 3.0])))
+            stream.send(msgspec.msgpack.encode(CAMERA | {"position": [0.1 * number, -2.0, 3.0]}))
         deadline = time.monotonic() + PATIENCE
         told = []
         while told != [(0.4, -2.0, 3.0)] and time.monotonic() < deadline:

@@ -93,7 +93,7 @@ async def test_shutdown_closes_the_run(settings):
 
 
 async def test_run_of_a_dead_process_is_recovered(settings, console):
-    store = RunStore(settings.data_dir / "runs")
+    store = RunStore(settings.data_dir / "runs").make_root()
     record = new_record("live", "published", named_configuration("published"))
     store.create(record)  # running, and nobody holds its folder
     ticks = np.zeros(10, TICK)
@@ -113,7 +113,7 @@ async def test_run_of_a_dead_process_is_recovered(settings, console):
 
 
 async def test_run_of_another_living_process_is_left_alone(settings, console):
-    store = RunStore(settings.data_dir / "runs")
+    store = RunStore(settings.data_dir / "runs").make_root()
     record = new_record("live", "published", named_configuration("published"))
     store.create(record)
     writer = RunWriter(store.root / record.id, record)

@@ -23,7 +23,7 @@ rerun.log_file_from_path(sys.argv[1])
 
 
 def test_rerun_finds_what_a_log_shows(tmp_path):
-    store = RunStore(tmp_path / "runs")
+    store = RunStore(tmp_path / "runs").make_root()
     record = new_record("scripted", "published", named_configuration("published"), direct=True)
     store.create(record)
     fly(store, record)

@@ -100,7 +100,7 @@ def forbid(monkeypatch):
 @pytest.fixture
 def store(tmp_path):
     """A library of three runs: one that is good, one to be spoiled, and one that is starred."""
-    store = RunStore(tmp_path / "runs")
+    store = RunStore(tmp_path / "runs").make_root()
     for run_id in ("20261119T000000000-00d00d", SPOILED, "20261121T000000000-57a44d"):
         record = new_record("scripted", "published", MissionConfig())
         fields = {"id": run_id, "started": OLD, "status": "finished", "integrity": "complete"}
@@ -199,6 +199,7 @@ def test_a_bad_log_or_event_costs_what_it_would_have_told(store, caplog):
     reader = store.read(SPOILED)
     assert [event["message"] for event in reader.events()] == ["capture granted"] * 2
     assert "4 damaged lines are left out" in caplog.text
+    assert reader.damaged_events == 4
     with pytest.raises(StoredUnreadable, match=r"line 2 of events\.jsonl"):  # a run is not flown again without them
         reader.history()
     store.recover()
@@ -215,7 +216,7 @@ def test_a_run_cut_off_whose_log_cannot_be_read_is_told(store):
 
 @pytest.mark.parametrize("damage", [*FILE_DAMAGES, "wrong type", "another study's", "no such date"])
 def test_a_bad_study_costs_itself_only(tmp_path, forbid, damage):
-    store = StudyStore(tmp_path / "studies")
+    store = StudyStore(tmp_path / "studies").make_root()
     good, bad = store.create(STUDY), store.create(STUDY)
     path = store.root / bad.id / "study.json"
     damages = {**FILE_DAMAGES, "wrong type": changed(status=7), "another study's": changed(id=good.id),

@@ -8,20 +8,8 @@ import msgspec
 import pytest
 import viser._messages as viser_messages
 
+from benchmarks.loads import CAMERA
 from server.pages.scene_words import FARTHEST, LARGEST, accepted_camera
-
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [1.0, -2.0, 3],
-    "fov": 0.45,
-    "near": 0.01,
-    "far": 1000.0,
-    "image_height": 420,
-    "image_width": 900,
-    "look_at": [0.0, 0.5, 0.05],
-    "up_direction": [0, 0, 1],
-}
 
 
 def said(**changes):

@@ -33,10 +33,12 @@ def test_a_folder_that_is_gone_or_not_to_be_written_is_told_and_refused(tmp_path
     guard = DiskGuard(tmp_path, 0.0, (runs,))
     guard.look()
     assert guard.fault == f"the folder {runs} is gone"
-    with pytest.raises(DataFolderLost, match="is gone"):
-        guard.require_room()
+    for require in (guard.require_room, guard.require_folder):
+        with pytest.raises(DataFolderLost, match="is gone"):
+            require()
     runs.mkdir()
     guard.require_room()
+    guard.require_folder()
     guard.look()
     assert guard.fault is None
     monkeypatch.setattr(os, "access", lambda *_: False)  # a disk that has become read-only

@@ -24,7 +24,7 @@ from sim.errors import ConfigError
 @pytest.fixture
 def store(tmp_path):
     (tmp_path / "runs").mkdir()
-    return RunStore(tmp_path / "runs")
+    return RunStore(tmp_path / "runs").make_root()
 
 
 @pytest.fixture

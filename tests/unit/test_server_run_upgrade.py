@@ -26,7 +26,7 @@ GOLDEN = Path(__file__).parent / "golden" / "run_of_format_1.tar.xz"
 def store(tmp_path):
     with tarfile.open(GOLDEN) as archive:
         archive.extractall(tmp_path / "runs", filter="data")
-    return RunStore(tmp_path / "runs")
+    return RunStore(tmp_path / "runs").make_root()
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from sim.errors import MissionRefused, RunNotFound
 
 @pytest.fixture
 def store(tmp_path):
-    return RunStore(tmp_path / "runs")
+    return RunStore(tmp_path / "runs").make_root()
 
 
 def _record(kind="scripted"):
@@ -45,6 +45,14 @@ def test_identifiers_sort_by_time():
     identifiers = [new_run_id() for _ in range(50)]
     assert [each[:18] for each in identifiers] == sorted(each[:18] for each in identifiers)
     assert len(set(identifiers)) == 50
+
+
+def test_a_folder_of_runs_that_has_gone_is_not_made_again(store):
+    store.root.rmdir()
+    for write in (store.create, store.write):
+        with pytest.raises(FileNotFoundError):
+            write(_record())
+    assert not store.root.exists()
 
 
 def test_ticks_and_events_read_back(store):

@@ -15,7 +15,7 @@ STUDY = study_of({"name": "three", "grid": {"control.impedance.mass": [0.05, 0.1
 
 @pytest.fixture
 def store(tmp_path):
-    return StudyStore(tmp_path / "studies")
+    return StudyStore(tmp_path / "studies").make_root()
 
 
 def test_a_study_comes_back_as_it_was(store):

@@ -15,7 +15,7 @@ import { isUnderWay } from "../../source/recorded-source";
 import { StoreContext, useDataState } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
 import { readNumber } from "../../units/numbers";
-import { clock, fixed, plain } from "../../units/units";
+import { clock, duration, fixed, plain } from "../../units/units";
 import { RoleButton } from "../access/RoleButton";
 import { useReasonByRole } from "../access/session";
 import { PrepareButton } from "../commands/PrepareButton";
@@ -30,7 +30,7 @@ import styles from "./LibraryPage.module.css";
 import { ask, runHash, type LibraryQuery } from "./query";
 import { useReadAgain, useStored } from "./use-library";
 import { verdictWords } from "./Verdict";
-import { changeWords, configurationWords, statusWords } from "./words";
+import { changeWords, configurationWords, damageWords, statusWords } from "./words";
 
 /** What became of it, at the top of the page: what stands below may be out of sight. */
 const endingOf = (run: Run): string => (run.outcome === null ? statusWords(run) : `${statusWords(run)}: ${verdictWords(run)}`);
@@ -56,7 +56,7 @@ function Head({ run, query, doing }: { readonly run: Run; readonly query: Librar
         {run.starred ? "★" : "☆"}
       </ActionIcon>
       <h2>{run.name === "" ? run.id : run.name}</h2>
-      <span role="status">{isUnderWay(run) ? `${run.status}, ${fixed(run.duration, 1)} s of mission time` : endingOf(run)}</span>
+      <span role="status">{isUnderWay(run) ? `${run.status}, ${duration(run.duration)} of mission time` : endingOf(run)}</span>
       <span className={styles.spring} />
       {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
       {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void doing(() => cancelRun(run.id))}>Cancel</RoleButton>}
@@ -100,6 +100,16 @@ function RunFacts({ run }: { readonly run: Run }) {
         </div>
       )}
     </dl>
+  );
+}
+
+/** What of it cannot be read any more. */
+function Damage({ events }: { readonly events: number | null }) {
+  if (events === 0) return null;
+  return (
+    <p className={styles.refusal} role="alert">
+      {`${damageWords(events)} The run cannot be forked or flown again; see the file events.jsonl in its folder.`}
+    </p>
   );
 }
 
@@ -255,6 +265,7 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
     <section className={styles.view} aria-label={`Run ${run.id}`}>
       <Head run={run} query={query} doing={doing} />
       {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
+      <Damage events={run.damaged_events} />
       <div className={styles.columns}>
         {store === null ? <p className={styles.hint}>Nothing has been recorded yet.</p> : <Stored store={store} other={compared} align={align} />}
         <div className={styles.side}>

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { changeWords, changesTitle, configurationWords, statusWords } from "./words";
+import { changeWords, changesTitle, configurationWords, damageWords, statusWords } from "./words";
 
 const damping = { path: "control.impedance.damping", title: "Virtual damping", unit: "N s/m", configured: 1.5, value: 3 };
 
@@ -29,5 +29,13 @@ describe("how a run without a verdict ended", () => {
     expect(statusWords(live)).toBe("ended early");
     expect(statusWords({ ...live, status: "failed", note: "the robot is silent" })).toBe("failed");
     expect(statusWords({ ...live, kind: "scripted" })).toBe("cancelled");
+  });
+});
+
+describe("damage to a run's events", () => {
+  it("is counted, or said of all", () => {
+    expect(damageWords(1)).toContain("One event of this run is damaged");
+    expect(damageWords(4)).toContain("4 events of this run are damaged");
+    expect(damageWords(null)).toContain("cannot be read");
   });
 });

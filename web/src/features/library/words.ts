@@ -28,6 +28,12 @@ export function statusWords({ status, kind, integrity, note }: Pick<RunSummary, 
   return note?.split(":")[0] ?? "ended early";
 }
 
+/** Of events that are left out, one or more; null: of all. */
+export function damageWords(events: number | null): string {
+  if (events === null) return "The events of this run cannot be read.";
+  return events === 1 ? "One event of this run is damaged and left out." : `${events} events of this run are damaged and left out.`;
+}
+
 /** What a filter calls each status; a live run that ended early and a scripted one that was cancelled have the same. */
 export const STATUS_CHOICES: Readonly<Record<RunSummary["status"], string>> = {
   queued: "queued",
