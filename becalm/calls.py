@@ -19,6 +19,7 @@ from server.api.health import Health
 from server.api.mission import Arming
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
+from server.mission.arming import TO_BE_ARMED
 from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
@@ -71,6 +72,14 @@ class Call(Generic[T]):
     body: Any = None
     query: Mapping[str, Any] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ArmedCall(Generic[T]):
+    """A request that has to bring the token of an arming, if it is one that was armed first."""
+
+    arming: Call[Arming] | None
+    with_token: Callable[[str | None], Call[T]]
 
 
 def read_answer(call: Call[T], answer: httpx.Response) -> T:
@@ -137,19 +146,25 @@ def arm(command: str, *, configuration: str | None = None, changes: Mapping[str,
 def command(
     name: str,
     *,
+    armed: bool = False,
     speed: float | None = None,
     ticks: int | None = None,
     configuration: str | None = None,
     changes: Mapping[str, Any] | None = None,
-    arming: str | None = None,
-) -> Call[CommandAnswer]:
+) -> ArmedCall[CommandAnswer]:
     """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
 
-    With a robot, what moves it or takes it again brings the token of an `arm`ing; a simulation needs none.
+    A robot is moved or taken again by no command that was not armed: `armed` says that it is meant, and arms it first;
+    without it the service refuses. In simulation it makes no difference.
     """
-    fields = {"speed": speed, "ticks": ticks, "configuration": configuration, "changes": changes, "arming": arming}
-    given = {key: value for key, value in fields.items() if value is not None}
-    return Call("POST", "mission/commands", _as(CommandAnswer), {"command": name, **given})
+    fields = {"speed": speed, "ticks": ticks, "configuration": configuration, "changes": changes}
+    first = arm(name, configuration=configuration, changes=changes) if armed and name in TO_BE_ARMED else None
+
+    def with_token(token: str | None) -> Call[CommandAnswer]:
+        given = {key: value for key, value in (fields | {"arming": token}).items() if value is not None}
+        return Call("POST", "mission/commands", _as(CommandAnswer), {"command": name, **given})
+
+    return ArmedCall(first, with_token)
 
 
 def stop() -> Call[CommandAnswer]:
@@ -167,13 +182,17 @@ def config() -> Call[ConfigBody]:
     return Call("GET", "mission/config", _as(ConfigBody))
 
 
-def change(changes: Mapping[str, Any], *, arming: str | None = None) -> Call[ConfigBody]:
+def change(changes: Mapping[str, Any], *, armed: bool = False) -> ArmedCall[ConfigBody]:
     """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
 
-    With a robot, changes that take a new mission bring the token of an `arm`ing of `configure` with these changes.
+    What takes a robot again has to be `armed`, as with `command`.
     """
-    headers = {} if arming is None else {"Becalm-Arming": arming}
-    return Call("PATCH", "mission/config", _as(ConfigBody), dict(changes), headers=headers)
+
+    def with_token(token: str | None) -> Call[ConfigBody]:
+        headers = {} if token is None else {"Becalm-Arming": token}
+        return Call("PATCH", "mission/config", _as(ConfigBody), dict(changes), headers=headers)
+
+    return ArmedCall(arm("configure", changes=changes) if armed else None, with_token)
 
 
 def start_run(

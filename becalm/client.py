@@ -16,7 +16,7 @@ import ipaddress
 import json
 import os
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from functools import update_wrapper
 from pathlib import Path
 from types import TracebackType
@@ -29,12 +29,9 @@ from websockets.exceptions import InvalidProxy, InvalidStatus, WebSocketExceptio
 from websockets.sync.client import connect
 
 from becalm import calls
-from becalm.calls import Call, ProxyUnusable, ServiceRefused, ServiceUnreachable, read_answer
-from server.api.config import ConfigBody
+from becalm.calls import ArmedCall, Call, ProxyUnusable, ServiceRefused, ServiceUnreachable, read_answer
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
-from server.mission.arming import TO_BE_ARMED
-from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from sim.errors import CaptureError
 
@@ -150,6 +147,30 @@ def _async(make: Callable[P, Call[T]]) -> Callable[Concatenate[AsyncClient, P], 
     return method
 
 
+def _sync_armed(make: Callable[P, ArmedCall[T]]) -> Callable[Concatenate[Client, P], T]:
+    """A method of `Client` that arms this call first, if that is asked for."""
+
+    def method(self: Client, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        asked = make(*args, **kwargs)
+        return self.done(asked.with_token(None if asked.arming is None else self.done(asked.arming).token))
+
+    update_wrapper(method, make)
+    return method
+
+
+def _async_armed(make: Callable[P, ArmedCall[T]]) -> Callable[Concatenate[AsyncClient, P], Awaitable[T]]:
+    """A method of `AsyncClient` that arms this call first, if that is asked for."""
+
+    async def method(self: AsyncClient, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        asked = make(*args, **kwargs)
+        return await self.done(
+            asked.with_token(None if asked.arming is None else (await self.done(asked.arming)).token)
+        )
+
+    update_wrapper(method, make)
+    return method
+
+
 class Client:
     """A service, asked one thing after another; close it, or use it as a context manager.
 
@@ -159,6 +180,8 @@ class Client:
     health = _sync(calls.health)
     mission = _sync(calls.mission)
     arm = _sync(calls.arm)
+    command = _sync_armed(calls.command)
+    change = _sync_armed(calls.change)
     stop = _sync(calls.stop)
     control = _sync(calls.control)
     config = _sync(calls.config)
@@ -208,38 +231,6 @@ class Client:
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
-
-    def command(
-        self,
-        name: str,
-        *,
-        armed: bool = False,
-        speed: float | None = None,
-        ticks: int | None = None,
-        configuration: str | None = None,
-        changes: Mapping[str, Any] | None = None,
-    ) -> CommandAnswer:
-        """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
-
-        A robot is moved or taken again by no command that was not armed: `armed` says that it is meant, and arms it
-        first; without it the service refuses. In simulation it makes no difference.
-        """
-        arming = (
-            self.arm(name, configuration=configuration, changes=changes).token
-            if armed and name in TO_BE_ARMED
-            else None
-        )
-        return self.done(
-            calls.command(name, speed=speed, ticks=ticks, configuration=configuration, changes=changes, arming=arming)
-        )
-
-    def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
-        """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
-
-        What takes a robot again has to be `armed`, as with `command`.
-        """
-        arming = self.arm("configure", changes=changes).token if armed else None
-        return self.done(calls.change(changes, arming=arming))
 
     def watch(self, rate: float = 10.0) -> Iterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
@@ -306,6 +297,8 @@ class AsyncClient:
     health = _async(calls.health)
     mission = _async(calls.mission)
     arm = _async(calls.arm)
+    command = _async_armed(calls.command)
+    change = _async_armed(calls.change)
     stop = _async(calls.stop)
     control = _async(calls.control)
     config = _async(calls.config)
@@ -350,38 +343,6 @@ class AsyncClient:
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
-
-    async def command(
-        self,
-        name: str,
-        *,
-        armed: bool = False,
-        speed: float | None = None,
-        ticks: int | None = None,
-        configuration: str | None = None,
-        changes: Mapping[str, Any] | None = None,
-    ) -> CommandAnswer:
-        """Ask something of the mission: capture, detumble, cage, direct_cage, hold, release, reset, pause, run or step.
-
-        A robot is moved or taken again by no command that was not armed: `armed` says that it is meant, and arms it
-        first; without it the service refuses. In simulation it makes no difference.
-        """
-        arming = (
-            (await self.arm(name, configuration=configuration, changes=changes)).token
-            if armed and name in TO_BE_ARMED
-            else None
-        )
-        return await self.done(
-            calls.command(name, speed=speed, ticks=ticks, configuration=configuration, changes=changes, arming=arming)
-        )
-
-    async def change(self, changes: Mapping[str, Any], *, armed: bool = False) -> ConfigBody:
-        """Change parameters (nested, SI), all or none: live ones from the next tick on, without a jump of the hands.
-
-        What takes a robot again has to be `armed`, as with `command`.
-        """
-        arming = (await self.arm("configure", changes=changes)).token if armed else None
-        return await self.done(calls.change(changes, arming=arming))
 
     async def watch(self, rate: float = 10.0) -> AsyncIterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
