@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from server.api.mission import answered
 from server.api.parameter_titles import group_title, parameter_title
 from server.api.services import AskerDep, Services, ServicesDep
+from server.edge.etags import IfNoneMatch, known_or_new, tagged
 from server.edge.problem_json import responses
 from server.edge.values import Changes
 from server.errors import ConfigOutdated
@@ -93,9 +94,9 @@ class ParameterSchema(BaseModel):
 
 
 @router.get("/mission/config")
-async def config(services: ServicesDep) -> ConfigBody:
+async def config(services: ServicesDep, response: Response, if_none_match: IfNoneMatch = None) -> ConfigBody:
     """The configuration in force, and how it differs from the named one it began as."""
-    return _body(services)
+    return tagged(_body(services), response, if_none_match)
 
 
 @router.patch("/mission/config", responses=responses(409, 422, 503, 504))
@@ -140,9 +141,9 @@ async def change_config(
 
 
 @router.get("/mission/config/schema", response_model=ParameterSchema)
-async def config_schema() -> Response:
+async def config_schema(if_none_match: IfNoneMatch = None) -> Response:
     """Every parameter with unit, bounds, default and source."""
-    return Response(_schema(), media_type="application/json")
+    return known_or_new(_schema(), if_none_match)
 
 
 @cache
@@ -153,9 +154,9 @@ def _schema() -> bytes:
 
 
 @router.get("/configurations", response_model=list[ConfigurationBody])
-async def configurations() -> Response:
+async def configurations(if_none_match: IfNoneMatch = None) -> Response:
     """The named configurations."""
-    return Response(_configurations(), media_type="application/json")
+    return known_or_new(_configurations(), if_none_match)
 
 
 @cache

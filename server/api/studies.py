@@ -243,13 +243,14 @@ def studies(
 
 
 @router.get("/published/tables")
-def published_tables() -> PublishedTables:
+def published_tables(response: Response, if_none_match: IfNoneMatch = None) -> PublishedTables:
     """The paper's own tables, cell by cell (m = 0.01 and 0.1 kg)."""
-    return PublishedTables(
+    tables = PublishedTables(
         source="Uchida, Uno, Yoshida: Space Debris Reliable Capturing by a Dual-Arm Orbital Robot, iSpaRo 2024",
         paths=[MASS, DAMPING, STIFFNESS],
         cells=[PublishedCell(**cell._asdict(), outcome=outcome) for cell, outcome in published_classes().items()],
     )
+    return tagged(tables, response, if_none_match)
 
 
 @router.get("/{study_id:study}", response_model=StudyDetail, responses=responses(404, 409, 503))
@@ -291,10 +292,11 @@ async def rows(
     study_id: StudyId,
     after: Annotated[int, Query(ge=0, le=2**63 - 1, description="`last` of the page before")] = 0,
     limit: Annotated[int, Query(ge=1, le=10_000, description="Rows on a page")] = 2_000,
+    if_none_match: IfNoneMatch = None,
 ) -> Response:
     """The rows that came after a row: what a map that fills asks for."""
     content = await services.aside.answer(_rows, services.studies.root, study_id, after, limit)
-    return Response(content, media_type="application/json")
+    return known_or_new(content, if_none_match)
 
 
 def _rows(root: FilePath, study_id: str, after: int, limit: int) -> bytes:

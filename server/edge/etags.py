@@ -21,7 +21,7 @@ def etag(body: BaseModel) -> str:
 def known_or_new(content: bytes, known: str | None) -> Response:
     """That JSON with its ETag; 304 if it is known."""
     headers = {"ETag": _etag_of(content)}
-    if known is not None and headers["ETag"] in known:
+    if _is_known(headers["ETag"], known):
         return Response(status_code=304, headers=headers)
     return Response(content, headers=headers, media_type="application/json")
 
@@ -29,9 +29,14 @@ def known_or_new(content: bytes, known: str | None) -> Response:
 def tagged(body: Tagged, response: Response, known: str | None) -> Tagged:
     """The answer with its ETag; 304 if that is known."""
     response.headers["ETag"] = etag(body)
-    if known is not None and response.headers["ETag"] in known:
+    if _is_known(response.headers["ETag"], known):
         raise HTTPException(304, headers={"ETag": response.headers["ETag"]})
     return body
+
+
+def _is_known(tag: str, known: str | None) -> bool:
+    """Whether `If-None-Match` names it, among others or weakly, or names any."""
+    return known is not None and (tag in known or known.strip() == "*")
 
 
 def _etag_of(content: bytes) -> str:
