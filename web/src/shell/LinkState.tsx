@@ -2,7 +2,7 @@
 import { Tooltip } from "@mantine/core";
 import type { Health } from "../api/types";
 import { useSnapshot, useView } from "../store/context";
-import { fixed } from "../units/units";
+import { duration, fixed } from "../units/units";
 import styles from "./LinkState.module.css";
 
 const WORDS = { connecting: "Connecting", preparing: "Preparing", live: "Live", stale: "Stale" } as const;
@@ -10,7 +10,7 @@ const WORDS = { connecting: "Connecting", preparing: "Preparing", live: "Live", 
 function recorderWords(health: Health | null): string {
   if (health === null) return "";
   if (health.recorder_failure !== null) return `The run is NOT being recorded: ${health.recorder_failure}.`;
-  return `The recorder is ${fixed(health.recorder_lag, 1)} s behind at most.`;
+  return `The recorder is ${duration(health.recorder_lag)} behind at most.`;
 }
 
 /** What a person who asks for more is told. */
@@ -43,9 +43,9 @@ function useFreshness(): Freshness {
   const stream = useSnapshot((snapshot) => snapshot.robot?.stream) ?? "";
   const lateness = useSnapshot((snapshot) => snapshot.plant.lateness) ?? 0;
   const unrecorded = useView((view) => typeof view.health?.recorder_failure === "string");
-  if (trust === "stale") return { word: WORDS.stale, detail: `${fixed(age / 1000, 1)} s old` };
+  if (trust === "stale") return { word: WORDS.stale, detail: `${duration(age / 1000)} old` };
   if (trust !== "live") return { word: WORDS[trust], detail: "" };
-  if (robotAge > 0) return { word: "Service live", detail: `${silent ? "robot silent" : `${stream} silent`} for ${fixed(robotAge / 1000, 1)} s` };
+  if (robotAge > 0) return { word: "Service live", detail: `${silent ? "robot silent" : `${stream} silent`} for ${duration(robotAge / 1000)}` };
   return { word: WORDS.live, detail: unrecorded ? "not recorded" : `ticks up to ${fixed(lateness * 1000, 1)} ms late` };
 }
 
@@ -54,7 +54,7 @@ export function LinkState() {
   const trust = useView((view) => (view.trust === "live" && view.robotAge > 0 ? "stale" : view.trust));
   const words = usePunctuality();
   return (
-    <Tooltip label={words}>
+    <Tooltip label={words} position="bottom-start">
       <div className={styles.link} data-trust={trust} role="status" aria-live="polite" aria-label={`Data: ${word}`} tabIndex={0}>
         <span className={styles.dot} aria-hidden="true" />
         <span className={styles.word}>{word}</span>

@@ -12,7 +12,7 @@ function ThemeSwitch() {
   const { colorScheme, setColorScheme } = useMantineColorScheme();
   const other = colorScheme === "light" ? "dark" : "light";
   return (
-    <Tooltip label={`Change to the ${other} theme`}>
+    <Tooltip label={`Change to the ${other} theme`} position="bottom">
       <ActionIcon
         variant="subtle"
         color="gray"

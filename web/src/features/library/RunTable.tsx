@@ -4,7 +4,7 @@ import type { ReactNode } from "react";
 import type { RunSummary } from "../../api/types";
 import { meaningOf } from "../glossary/glossary";
 import { lookOf } from "../glossary/class-style";
-import { clock, fixed, MILLIMETRES } from "../../units/units";
+import { duration, fixed, MILLIMETRES } from "../../units/units";
 import { ask, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
 import styles from "./RunTable.module.css";
 import { VerdictMark, verdictWords } from "./Verdict";
@@ -77,7 +77,7 @@ const COLUMNS: readonly Column[] = [
     number: true,
     cell: ({ outcome }) => figure(outcome?.cage_margin, 1, MILLIMETRES.factor),
   },
-  { key: "duration", label: "Length", title: "Mission time recorded, minutes and seconds", number: true, cell: ({ duration }) => clock(duration, 1) },
+  { key: "duration", label: "Length", title: "Mission time recorded", number: true, cell: (run) => duration(run.duration) },
   {
     key: "outcome",
     label: "Verdict",

@@ -1,7 +1,7 @@
 /** How two runs differ: pure functions from two runs to the lines of a table. */
 import type { Outcome, Parameter, Run } from "../../api/types";
 import { lookOf } from "../glossary/class-style";
-import { clock, fixed, MILLIMETRES, plain, shown } from "../../units/units";
+import { clock, duration, fixed, MILLIMETRES, plain, shown } from "../../units/units";
 
 export interface Line {
   readonly name: string;
@@ -22,7 +22,7 @@ const FIGURES: readonly (readonly [string, (run: Run) => string])[] = [
   ["Peak to locked arms, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force, 3))],
   ["Cage margin, mm", (run) => ofOutcome(run, ({ cage_margin: margin }) => (margin === null ? "none" : fixed(margin * MILLIMETRES.factor, 1)))],
   ["Final spin, rad/s", (run) => ofOutcome(run, (outcome) => fixed(outcome.final_target_spin, 3))],
-  ["Length, s", (run) => fixed(run.duration, 2)],
+  ["Length", (run) => duration(run.duration, 2)],
 ];
 
 /** What came of both. */

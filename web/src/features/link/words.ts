@@ -1,7 +1,7 @@
 /** What the figures of the link mean, in words and signs: no colour stands alone. */
 import type { LinkStatus, StreamStatus } from "../../api/types";
 import type { Sign } from "../../ui/theme/Icon";
-import { fixed } from "../../units/units";
+import { duration, fixed } from "../../units/units";
 
 export type Tone = "calm" | "warning" | "error" | "plain";
 
@@ -25,7 +25,7 @@ export function modeOf(link: LinkStatus): Word {
   const { robot } = link;
   if (robot === null) return word("Not heard", "link", "error", "Nothing has come from a robot yet.");
   if (robot.age > Math.max(SILENCE, link.deadline ?? 0)) {
-    return word("Silent", "link", "error", `It last told its mode ${fixed(robot.age, 1)} s ago: ${robot.mode ?? "unknown"}.`);
+    return word("Silent", "link", "error", `It last told its mode ${duration(robot.age)} ago: ${robot.mode ?? "unknown"}.`);
   }
   switch (robot.mode) {
     case "following":
@@ -69,7 +69,7 @@ export const milliseconds = (seconds: number | null, decimals = 1): string => (s
 /** An age is read in milliseconds as long as that is short. */
 export const age = (seconds: number | null): string => {
   if (seconds === null) return "—";
-  return seconds < 10 ? `${fixed(1000 * seconds, 0)} ms` : `${fixed(seconds, 0)} s`;
+  return seconds < 10 ? `${fixed(1000 * seconds, 0)} ms` : duration(seconds, 0);
 };
 
 /** The offset of clocks with its sense, in a unit that fits. */

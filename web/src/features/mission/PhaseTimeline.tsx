@@ -4,7 +4,7 @@ import type { MissionSnapshot } from "../../api/types";
 import { useSnapshot } from "../../store/context";
 import { isPhase, PHASE_WORDS, type Phase } from "../../source/phases";
 import { Icon, type Sign } from "../../ui/theme/Icon";
-import { fixed } from "../../units/units";
+import { duration } from "../../units/units";
 import styles from "./PhaseTimeline.module.css";
 
 type Stage = MissionSnapshot["stages"][number];
@@ -30,7 +30,7 @@ function StageItem({ stage, activity }: { readonly stage: Stage; readonly activi
         </span>
         <span className={styles.detail}>
           {stage.state === "failed" || stage.state === "skipped" ? stage.state : detail}{" "}
-          {stage.lasted !== null && <span className={styles.lasted}>{fixed(stage.lasted, 1)} s</span>}
+          {stage.lasted !== null && <span className={styles.lasted}>{duration(stage.lasted)}</span>}
         </span>
       </li>
     </Tooltip>

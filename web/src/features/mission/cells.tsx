@@ -100,6 +100,19 @@ export function goWords({ go, blocked }: Readiness): string {
   return go ? "Go" : "No go";
 }
 
+/** All of them, whole: the strip has room for two lines. */
+function ReasonList({ reasons }: { readonly reasons: readonly Reason[] }) {
+  return (
+    <ul>
+      {reasons.map(({ sign, words }) => (
+        <li key={words}>
+          <Icon sign={sign} size={11} /> {words}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
 export function NextCell() {
   const readiness = useSnapshot((snapshot) => snapshot.readiness);
   const reasons: readonly Reason[] = readiness === null ? [] : reasonsOf(readiness);
@@ -110,8 +123,8 @@ export function NextCell() {
         {readiness && <Icon sign={go ? "check" : "bar"} size={16} />}
         {readiness ? goWords(readiness) : "—"}
       </div>
-      <Tooltip label={reasons.map(({ words }) => words).join("; ")} disabled={reasons.length === 0} position="bottom">
-        <ul className={styles.reasons}>
+      <Tooltip label={<ReasonList reasons={reasons} />} w={320} disabled={reasons.length === 0} position="bottom-end">
+        <ul className={styles.reasons} tabIndex={reasons.length === 0 ? undefined : 0}>
           {toldOf(reasons).map(({ sign, words }) => (
             <li key={words} data-sign={sign}>
               <Icon sign={sign} size={11} /> <span className="visually-hidden">{sign === "check" ? "met:" : "unmet:"}</span>

@@ -105,7 +105,31 @@ export function drawPeaks(plot: uPlot, { touches, colours }: Decorations, instan
   ctx.restore();
 }
 
-/** In front: each touch as a bar along the bottom with the letter of its hand, an unplanned one with an exclamation mark. */
+/** Where a label would stand, and whether it says more than the others. */
+interface Label {
+  readonly left: number;
+  readonly width: number;
+  readonly matters: boolean;
+}
+
+/** Which labels of a row there is room for, side by side: first those that matter, then the others, from the left. */
+export function readable(labels: readonly Label[], gap: number): boolean[] {
+  const taken: Label[] = [];
+  const clear = (one: Label): boolean => taken.every((other) => one.left >= other.left + other.width + gap || other.left >= one.left + one.width + gap);
+  const shown = labels.map(() => false);
+  for (const matters of [true, false]) {
+    for (const [place, label] of labels.entries()) {
+      if (label.matters !== matters || !clear(label)) continue;
+      taken.push(label);
+      shown[place] = true;
+    }
+  }
+  return shown;
+}
+
+const touchWords = ({ arm, planned }: Touch): string => `${arm === "left" ? "L" : "R"}${planned ? "" : "!"}`;
+
+/** In front: each touch as a bar along the bottom; where there is room with the letter of its hand, an unplanned one with an exclamation mark. */
 export function drawTouches(plot: uPlot, { touches, colours }: Decorations): void {
   const { ctx, bbox } = plot;
   const ratio = pixelRatio(plot);
@@ -117,7 +141,13 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
   ctx.font = `600 ${scaled(plot, FONT)}`;
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
-  for (const touch of touches) {
+  const labels = touches.map((touch) => ({
+    left: plot.valToPos(touch.start, "x", true) + 4 * ratio,
+    width: ctx.measureText(touchWords(touch)).width,
+    matters: !touch.planned,
+  }));
+  const shown = readable(labels, 2 * ratio);
+  for (const [place, touch] of touches.entries()) {
     const left = plot.valToPos(touch.start, "x", true);
     const right = plot.valToPos(touch.end ?? plot.data[0].at(-1) ?? touch.start, "x", true);
     ctx.fillStyle = colours.of(touch.arm);
@@ -125,7 +155,7 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
     ctx.globalAlpha = 0.45;
     ctx.fillRect(left, bbox.top, ratio, bbox.height);
     ctx.globalAlpha = 1;
-    ctx.fillText(`${touch.arm === "left" ? "L" : "R"}${touch.planned ? "" : "!"}`, left + 4 * ratio, bottom - 5 * ratio);
+    if (shown[place]) ctx.fillText(touchWords(touch), left + 4 * ratio, bottom - 5 * ratio);
   }
   ctx.restore();
 }

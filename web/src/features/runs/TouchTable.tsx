@@ -1,13 +1,13 @@
 import type { Touch } from "../../api/types";
 import { meaningOf } from "../glossary/glossary";
 import { Icon } from "../../ui/theme/Icon";
-import { clock, fixed } from "../../units/units";
+import { clock, duration, fixed } from "../../units/units";
 import styles from "./TouchTable.module.css";
 
 const NAMES = { left: "Left", right: "Right" } as const;
 
 function Row({ touch }: { readonly touch: Touch }) {
-  const lasts = touch.end === null ? "now" : `${fixed(touch.end - touch.start, 2)} s`;
+  const lasts = touch.end === null ? "now" : duration(touch.end - touch.start, 2);
   return (
     <tr>
       <td>

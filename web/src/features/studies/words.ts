@@ -1,14 +1,9 @@
 /** What is said of a study in a few words. */
 import type { StudyEstimate } from "../../api/types";
-import { plain, shown } from "../../units/units";
+import { duration, plain, shown } from "../../units/units";
 
-/** A duration as a person says it. */
-export function span(seconds: number): string {
-  const whole = Math.ceil(seconds);
-  const minutes = Math.floor(whole / 60);
-  if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
-  return minutes > 0 ? `${minutes} min ${whole % 60} s` : `${whole} s`;
-}
+/** How long a study takes: no part of a second is known. */
+export const span = (seconds: number): string => duration(Math.ceil(seconds), 0);
 
 /** A duration that is an estimate: two figures are enough. */
 export function about(seconds: number): string {
