@@ -29,9 +29,8 @@ export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFr
   const scaled = (values: Float64Array): Float64Array => values.map((value) => value * scale.factor);
   const quantities = definition.curves.map(({ quantity }) => quantity);
   const [from, to] = [Math.max(0, series.rowAt(range.from) - 1), Math.min(series.length, series.rowAt(range.to) + 1)];
-  const label = (index: number, of: string): string => nameOf(definition.curves, index) + of;
   const own = definition.curves.map((curve, index): FigureCurve => ({
-    label: label(index, source.other === null ? "" : ", this run"),
+    label: nameOf(definition.curves, index),
     colour: colourOf(curve),
     dash: curve.dash,
     width: WIDTHS.own,
@@ -42,15 +41,17 @@ export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFr
   const theirs = others.map((values, index): FigureCurve => {
     const curve = definition.curves[index];
     if (curve === undefined) throw new Error("A curve without a definition.");
-    return { label: label(index, ", other run"), colour: colourOf(curve), dash: curve.dash, width: WIDTHS.compared, times, values: scaled(values) };
+    return { label: "", colour: colourOf(curve), dash: curve.dash, width: WIDTHS.compared, times, values: scaled(values) };
   });
+  // Named once: a name for each curve of both would not fit beside one another.
+  const sign: FigureCurve = { label: "other run, thinner", colour: "#666666", width: WIDTHS.compared, times: [], values: [] };
   return {
     title: definition.title,
-    subtitle: source.other === null ? source.words : `${source.words}; other run ${source.other}, thinner`,
+    subtitle: source.other === null ? source.words : `${source.words}; other run ${source.other}`,
     yLabel: `${definition.axis}${scale.unit === "" ? "" : `, ${scale.unit}`}`,
     range,
     least: [definition.least[0] * scale.factor, definition.least[1] * scale.factor],
-    curves: [...own, ...theirs],
+    curves: [...own, ...theirs, ...(compared === null ? [] : [sign])],
     levels: definition.levels(frame.known).map(({ label: words, value }) => ({ label: words, value: value * scale.factor })),
     phases: decorations.phases,
     touches: decorations.touches,
