@@ -10,10 +10,12 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import TimeoutError as NoPicture
 
 from benchmarks.browsers import CHROMIUM, FLAGS
 from benchmarks.service import Figures, Running, service, told
@@ -29,6 +31,9 @@ if (window === top) {
 """
 """Notes when the scene tells how far it is (server/pages/scene_page.py)."""
 
+POLLING = 100
+"""Between two looks whether a picture has come [ms]: not with each picture of a page that hardly draws any."""
+
 RENDERER = """() => {
   const context = document.createElement("canvas").getContext("webgl2");
   const names = context.getExtension("WEBGL_debug_renderer_info");
@@ -37,20 +42,16 @@ RENDERER = """() => {
 
 
 def seen_after(page: Page, running: Running, patience: float) -> dict[str, float]:
-    """When each stage came, after the page was asked for [s].
-
-    Raises:
-        TimeoutError: no picture within `patience` [s]; of playwright.
-
-    """
-    page.goto(f"http://127.0.0.1:{running.port}/", timeout=1e3 * patience)
-    page.wait_for_function("window.stages.drawn !== undefined", timeout=1e3 * patience)
+    """When each stage came, after the page was asked for [s]; those that did not come within `patience` [s] are out."""
+    with suppress(NoPicture):
+        page.goto(f"http://127.0.0.1:{running.port}/", timeout=1e3 * patience, wait_until="commit")
+        page.wait_for_function("window.stages.drawn !== undefined", timeout=1e3 * patience, polling=POLLING)
     stages: dict[str, float] = page.evaluate("window.stages")
     return {stage: time / 1e3 for stage, time in stages.items()}
 
 
 def measured(browser: Browser, running: Running, detail: str, tries: int, patience: float) -> Figures:
-    """Medians over so many browsers with empty caches, each opening the console twice."""
+    """Medians over so many browsers with empty caches, each opening the console twice; none where no picture came."""
     first, second = [], []
     for _ in range(tries):
         context = browser.new_context(viewport={"width": 1440, "height": 900})
@@ -59,8 +60,17 @@ def measured(browser: Browser, running: Running, detail: str, tries: int, patien
         first.append(seen_after(page, running, patience))
         second.append(seen_after(page, running, patience))
         context.close()
-    figures = {f"{detail}: {stage}, s": float(np.median([each[stage] for each in first])) for stage in first[0]}
-    return figures | {f"{detail}: drawn, page kept, s": float(np.median([each["drawn"] for each in second]))}
+        if "drawn" not in first[-1] or "drawn" not in second[-1]:
+            print(f"{detail}: no picture within {patience:g} s; it came as far as {first[-1]}", file=sys.stderr)
+            break
+    again = _medians(f"{detail}: {{}}, page kept, s", [{"drawn": each["drawn"]} for each in second if "drawn" in each])
+    return _medians(f"{detail}: {{}}, s", first) | again
+
+
+def _medians(label: str, tries: list[dict[str, float]]) -> Figures:
+    """Of the stages that came in every try."""
+    common = [stage for stage in (tries[0] if tries else ()) if all(stage in each for each in tries)]
+    return {label.format(stage): float(np.median([each[stage] for each in tries])) for stage in common}
 
 
 def main() -> int:
