@@ -114,7 +114,7 @@ def test_a_wrists_wrench_is_turned_into_the_worlds_axes_and_given_to_the_tip_tha
     in_hand = np.array([0.3, -1.7, lever * -1.7])
     perception.take_wrench(arm, PlaneSample(0, ("left_hand", "right_hand")[arm], in_hand))
     state = np.zeros(1, PLANT_STATE)[0]
-    perception.tell(still, state)
+    perception.write_state(still, state)
     ahead = np.array([math.cos(hand[2]), math.sin(hand[2])])  # the hand's x axis in the world
     across = np.array([-math.sin(hand[2]), math.cos(hand[2])])
     force = 0.3 * ahead - 1.7 * across
