@@ -18,6 +18,7 @@ from becalm.cli import main
 from sim.capture.snapshot import OutcomeClass
 from sim.study import flight
 from sim.study.published import published_study
+from sim.study.run import CellTask, fly_cell
 
 MASS, SPIN = "control.impedance.mass", "target.initial_spin"
 SMALL = """
@@ -36,7 +37,7 @@ control.impedance.mass = { from = 0.1, to = 0.6, count = 24 }
 """
 
 
-def _invoke(*arguments: str, **options):
+def _invoke(*arguments: object, **options):
     return CliRunner().invoke(main, ["study", *map(str, arguments)], **options)
 
 
@@ -53,7 +54,7 @@ def in_this_process(monkeypatch):
 
     def fly(tasks, keep, _open_executor, **_options):
         for task in tasks:
-            keep(flight.fly_cell(task))
+            keep(fly_cell(task))
 
     monkeypatch.setattr(flight, "fly_cells", fly)
 
@@ -104,8 +105,7 @@ def test_format_and_changes(small, tmp_path):
 
 @pytest.mark.usefixtures("in_this_process")
 def test_agreement_is_told_of_the_published_study(tmp_path, monkeypatch):
-    fly_cell = flight.fly_cell
-    flown = fly_cell(flight.CellTask(published_study().base, False, published_study().cell(0)))
+    flown = fly_cell(CellTask(published_study().base, False, published_study().cell(0)))
     monkeypatch.setattr(flight, "fly_cell", lambda task: {**flown, "cell": task.cell.index, **task.cell.values})
     out = tmp_path / "published.csv"
     document = json.loads(_invoke("published", "--out", out, "--json").stdout)

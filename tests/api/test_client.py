@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pyarrow.parquet
 import pytest
@@ -29,7 +30,7 @@ def address(served, monkeypatch):
 
 @pytest.mark.usefixtures("address")
 def test_the_readmes_ten_lines(capsys):
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     exec(sample("README.md", "From a script"), names)
     ticks, snapshot = names["ticks"], names["snapshot"]
     assert snapshot.outcome is not None

@@ -8,6 +8,7 @@ import resource
 import signal
 import struct
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -73,12 +74,16 @@ def _report(writing: int, mission_time: float) -> None:
     os.write(writing, _REPORT.pack(mission_time, time.monotonic()))
 
 
+def _reported(writing: int, before: float, flown: float) -> None:
+    _report(writing, before + flown)
+
+
 def _fly_on_and_on(store: RunStore):
     def work(writing: int) -> None:
         for number in itertools.count():
             record = new_record("scripted", "published", CONFIG)
             store.create(record)
-            fly(store, record, lambda flown, first=number * MANY: _report(writing, first + flown))
+            fly(store, record, partial(_reported, writing, number * MANY))
 
     return work
 

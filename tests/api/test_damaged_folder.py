@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import shutil
+from pathlib import Path
 
 import httpx
 import pytest
@@ -16,6 +17,11 @@ from server.library.runs import RunStore, new_record
 from server.studies.store import StudyStore
 from sim.config import MissionConfig
 from sim.study.design import study_of
+
+
+def _as_pipe(path: Path) -> None:
+    path.unlink()
+    os.mkfifo(path)
 
 
 def _ended(store, **fields):
@@ -36,7 +42,7 @@ def damaged(settings):
         lambda path: path.write_bytes(b"[" * 100_000),
         lambda path: (path.unlink(), path.mkdir()),
         lambda path: (path.unlink(), path.symlink_to(path.name)),
-        lambda path: (path.unlink(), os.mkfifo(path)),
+        _as_pipe,
         lambda path: path.write_text(path.read_text().replace('"duration": 0.0', '"duration": NaN')),
         lambda path: path.write_text(path.read_text().replace('"queued"', '"of tomorrow"')),
     )

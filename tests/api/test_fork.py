@@ -11,6 +11,7 @@ import pytest
 from becalm.replaying import replay
 from server.api import mission as api
 from server.mission import fork
+from sim.capture.replay import flown_to
 
 FORK = 3600
 """In the middle of the first touch of `published`, which lasts from 3.456 s to 4.116 s after the command."""
@@ -117,7 +118,7 @@ async def test_what_cannot_be_forked_is_said(console, wanted, status, words):
 async def test_stop_is_answered_while_a_long_past_is_flown_again(console, monkeypatch):
     await console.granted("detumble")
     begun, may_end = threading.Event(), threading.Event()
-    fly_again = fork.flown_to
+    fly_again = flown_to
 
     def slowly(*arguments):
         begun.set()

@@ -10,6 +10,7 @@ from functools import partial
 import httpx
 import pytest
 import viser
+from websockets import Subprotocol
 from websockets.asyncio import client as websocket
 from websockets.exceptions import ConnectionClosed
 
@@ -74,7 +75,7 @@ async def test_its_scene_is_served_as_long_as_somebody_watches(served, run):
             page = await http.get(root + scene)
             assert (page.status_code, "<canvas" in page.text or "<script" in page.text) == (200, True)
             address = f"ws://127.0.0.1:{served.port}{scene.rstrip('/')}"
-            protocol = f"viser-v{viser.__version__}"
+            protocol = Subprotocol(f"viser-v{viser.__version__}")
             async with connect(address, subprotocols=[protocol], max_size=None, compression=None) as browser:
                 async with asyncio.timeout(PATIENCE):
                     assert await browser.recv()

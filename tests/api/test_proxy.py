@@ -12,6 +12,7 @@ from contextlib import contextmanager
 import httpx
 import pytest
 import websockets.sync.client
+from websockets import Origin
 
 from server.access.roles import Role
 from server.access.tokens import TokenStore
@@ -46,7 +47,7 @@ class Proxied:
             sock=socket.create_connection(("127.0.0.1", self.port)),
             ssl=self.trust,
             server_hostname=self.host,
-            origin=headers["Origin"],
+            origin=Origin(headers["Origin"]),
             additional_headers={"Cookie": headers["Cookie"]},
             open_timeout=PATIENCE,
             proxy=None,

@@ -137,7 +137,7 @@ def test_kill_9_loses_less_than_a_second(tmp_path):
         process.kill()
     reader = RunStore(tmp_path / "runs").read(seen["run_id"])
     assert reader.record.status == "failed"
-    assert "recovered" in reader.record.note
+    assert "recovered" in (reader.record.note or "")
     assert reader.last_tick()["time"][0] > seen["time"]
 
 

@@ -12,6 +12,7 @@ from functools import partial
 import httpx
 import numpy as np
 import pytest
+from websockets import Origin
 from websockets.asyncio import client as websocket
 from websockets.exceptions import InvalidStatus
 
@@ -189,7 +190,7 @@ async def test_of_a_hundred_clients_twenty_never_read_and_delay_nobody(served):
 
 async def test_page_of_another_site_is_refused(served):
     with pytest.raises(InvalidStatus) as refusal:
-        await connect(served.telemetry, origin="http://elsewhere.example")
+        await connect(served.telemetry, origin=Origin("http://elsewhere.example"))
     assert refusal.value.response.status_code == 403
-    async with connect(served.telemetry, origin=f"http://127.0.0.1:{served.port}") as watcher:
+    async with connect(served.telemetry, origin=Origin(f"http://127.0.0.1:{served.port}")) as watcher:
         await _message(watcher, "hello")

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import click
 import httpx
@@ -31,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
 
 
-def _interpolated(value: object, environment: dict[str, str]) -> object:
+def _interpolated(value: Any, environment: dict[str, str]) -> Any:
     """As compose puts variables and their defaults in."""
     if isinstance(value, dict):
         return {key: _interpolated(each, environment) for key, each in value.items()}

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,10 @@ def _held_up_sending() -> Iterator[None]:
 
 
 @pytest.mark.skipif(not _may_hold_up(), reason="needs two processors and the right to real-time scheduling")
+def _note(numbers: list[int], payload: bytes) -> None:
+    numbers.append(int(payload))
+
+
 @pytest.mark.parametrize(
     "period", [(*contract.WRENCHES, contract.JOINT_STATES), (contract.JOINT_COMMAND, contract.HEARTBEAT)]
 )
@@ -71,7 +76,7 @@ def test_nothing_is_lost_when_the_sending_thread_is_held_up(period):
     receiver, sender = LinkSession(Transport(listen=(endpoint,))), LinkSession(Transport(connect=(endpoint,)))
     came: dict[str, list[int]] = {channel.key: [] for channel in period}
     for channel in period:
-        receiver.subscribe(channel, lambda payload, key=channel.key: came[key].append(int(payload)))
+        receiver.subscribe(channel, partial(_note, came[channel.key]))
 
     def heard() -> bool:
         for channel in period:

@@ -19,6 +19,7 @@ from server.link import contract, wire
 from server.link.contract import RobotMode
 from server.link.reception import MODE_DEADLINE, PING_PERIOD
 from server.link.zenoh_plant import ZenohPlant
+from server.log.ros import ros, serialized
 from sim.capture.mission import Mission
 from sim.control.phases import Phase
 from sim.errors import MissionRefused
@@ -346,8 +347,8 @@ def test_nothing_that_a_stranger_sends_ends_either_end(robot, link, fly, strange
     for session in ("\u00b2", f"{link.console}.\u00b2", f"{link.console}.99999"):
         stranger.publish(contract.OPEN, wire.encode_call(wire.RobotCall(time.time_ns(), session)))
     names = [f"joint_{number}" for number in range(300_000)]
-    huge = wire.ros("sensor_msgs/msg/JointState", wire._header(0, link.session), names, *[np.zeros(0)] * 3)
-    stranger.publish(contract.JOINT_COMMAND, wire.serialized(huge, "sensor_msgs/msg/JointState"))
+    huge = ros("sensor_msgs/msg/JointState", wire._header(0, link.session), names, *[np.zeros(0)] * 3)
+    stranger.publish(contract.JOINT_COMMAND, serialized(huge, "sensor_msgs/msg/JointState"))
     until(lambda: link.reception.refusals[contract.BASE_POSE.key].count >= 20, "the console refuses")
     until(lambda: robot.status["refused"] >= 60, "the robot refuses")
     flight.ticks(40)

@@ -113,7 +113,8 @@ def test_a_robots_clock_is_nobodys_to_choose(service, command):
 
 
 def _bodies(command: str) -> list[dict[str, Any]]:
-    extra: dict[str, Any] = {"reset": {"configuration": "testbed"}, "fork": {"tick": 1}}.get(command, {})
+    more: dict[str, dict[str, Any]] = {"reset": {"configuration": "testbed"}, "fork": {"tick": 1}}
+    extra = more.get(command, {})
     return [{"command": command}, {"command": command, **extra}, {"command": command, **extra, "arming": "guessed"}]
 
 
@@ -183,7 +184,10 @@ def _capture(robot: Robot, service: Service, seed: int) -> dict[str, Any]:
     service.await_phase("faulted")
     service.make_idle()
     service.granted("capture")
-    return until(lambda: m if (m := service.get("/mission"))["outcome"] or m["phase"] == "faulted" else None, "the end")
+    ended = until(
+        lambda: m if (m := service.get("/mission"))["outcome"] or m["phase"] == "faulted" else None, "the end"
+    )
+    return ended or {}
 
 
 @pytest.mark.browser

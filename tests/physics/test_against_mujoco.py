@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mujoco_reference import Reference
 
 from sim.config import RobotConfig
 from sim.model.generalized_jacobian import free_flying_model, joint_acceleration_under_contact, momentum
 from sim.model.robot import FREEDOMS, chain, inertia_matrix, robot_model
+from tests.physics.mujoco_reference import Reference
 
 RELATIVE = 1e-9
 """Figure of the mission; both sides compute in double precision, some 1e-14 apart."""

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from flying import after
 
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.plant.pymunk_plant import PymunkPlant
+from tests.flying import after
 
 MOMENTUM_IN_CONTACT = 1e-6
 """Of the size of the momentum (mission.md): forces act in opposite pairs at one point."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from free_flight import fly_freely, reference_base_pose, remote_target
+
+from tests.physics.free_flight import fly_freely, reference_base_pose, remote_target
 
 MINUTE = 60.0
 

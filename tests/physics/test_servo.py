@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from flying import after
-from free_flight import remote_target
 
 from sim.config import HandMount, MissionConfig
 from sim.configurations import nested, revised
 from sim.model.generalized_jacobian import free_flying_model, joint_acceleration_under_contact
 from sim.model.robot import chain, inertia_matrix
 from sim.plant.pymunk_plant import PymunkPlant
+from tests.flying import after
+from tests.physics.free_flight import remote_target
 
 FIRST_ORDER = 0.03
 """Relative error of a step response: of a jump in one step 25 iterations of the solver leave 0.025, 40 leave 0.02."""

@@ -8,7 +8,8 @@ import signal
 import pytest
 import uvicorn
 
-from becalm.serving import ENDING_SIGNALS, UNHEEDED_SIGNALS, _Server
+from becalm.ending import ENDING_SIGNALS
+from becalm.serving import UNHEEDED_SIGNALS, _Server
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from flying import after
 
 from server.link.perception import BodyEstimate, Noise, Perception
 from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
@@ -15,6 +14,7 @@ from sim.configurations import named_configuration
 from sim.model.robot import chain, robot_model
 from sim.plant.plant import PLANT_STATE
 from sim.plant.pymunk_plant import PymunkPlant
+from tests.flying import after
 
 PERIOD = 10_000_000
 DELAY = 12_000_000

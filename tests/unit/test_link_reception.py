@@ -8,6 +8,7 @@ import math
 import random
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from server.link.reception import Expectations, Reception
 from server.link.robot_emulator import OBEYED, RobotSettings, _Robot
 from server.link.session import Transport
 from server.link.wire import Echo, JointCommand, JointSample, PlaneSample, RobotCall, StatusReport
+from server.log.ros import ros, serialized
 from sim.configurations import named_configuration
 from sim.errors import Cause
 
@@ -67,7 +69,7 @@ class Ears:
 class Console:
     """What a console makes of the bytes that a robot sends."""
 
-    def __init__(self, time: Time, **expected) -> None:
+    def __init__(self, time: Any, **expected) -> None:
         self.time = time
         wrists = expected.pop("wrists", (WristFrame(frame="left_hand"), WristFrame(frame="right_hand")))
         expectations = Expectations(Bounds(), "world", wrists, expected.pop("detect_freeze", False))
@@ -75,7 +77,7 @@ class Console:
         self.reception = Reception(
             CONSOLE, expectations, self.identity, Perception(CONFIG, 0.12), time, lambda: DEADLINE
         )
-        self.ears = Ears()
+        self.ears = cast(Any, Ears())
         self.acknowledged = []
         self.reception.listen(self.ears, self.acknowledged.append)
 
@@ -142,19 +144,17 @@ def _wrench(frame="left_hand", value=(0.0, 0.0, 0.0), rest=(0.0, 0.0, 0.0), late
         force = wire._vector(value[0], value[1], rest[0])
         torque = wire._vector(rest[1], rest[2], value[2])
         sample = PlaneSample(stamp - late, frame, np.zeros(3))
-        return wire._stamped(
-            sample, "geometry_msgs/msg/WrenchStamped", wire.ros("geometry_msgs/msg/Wrench", force, torque)
-        )
+        return wire._stamped(sample, "geometry_msgs/msg/WrenchStamped", ros("geometry_msgs/msg/Wrench", force, torque))
 
     return made
 
 
 def _pose(quaternion=(0.0, 0.0, 0.0, 1.0), place=(0.0, 0.35, 0.0), frame="world", late=0):
     def made(stamp: int) -> bytes:
-        pose = wire.ros(
+        pose = ros(
             "geometry_msgs/msg/Pose",
-            wire.ros("geometry_msgs/msg/Point", *place),
-            wire.ros("geometry_msgs/msg/Quaternion", *quaternion),
+            ros("geometry_msgs/msg/Point", *place),
+            ros("geometry_msgs/msg/Quaternion", *quaternion),
         )
         return wire._stamped(PlaneSample(stamp - late, frame, np.zeros(3)), "geometry_msgs/msg/PoseStamped", pose)
 
@@ -358,7 +358,7 @@ def test_whatever_the_bytes_a_decoder_gives_a_message_or_refuses(name):
     random_ = random.Random(name)
     good = bytes.fromhex(GOLDEN[name])
     for _ in range(600):
-        refusal, message = "", ()
+        refusal, message = "", cast(tuple[Any, ...], ())
         try:
             message = DECODERS[name](_mangled(random_, good))
         except wire.WireError as error:
@@ -391,18 +391,18 @@ def test_what_follows_a_message_and_is_not_zero_is_refused():
 def test_three_hundred_thousand_joints_are_not_even_read():
     names = [f"j{i}" for i in range(300_000)]
     header = wire._header(START, f"{CONSOLE}.1@{ROBOT}")
-    message = wire.ros("sensor_msgs/msg/JointState", header, names, np.zeros(0), np.zeros(300_000), np.zeros(0))
+    message = ros("sensor_msgs/msg/JointState", header, names, np.zeros(0), np.zeros(300_000), np.zeros(0))
     with pytest.raises(wire.WireError, match="no message of the contract has more than"):
-        wire.decode_command(wire.serialized(message, "sensor_msgs/msg/JointState"))
+        wire.decode_command(serialized(message, "sensor_msgs/msg/JointState"))
 
 
 def test_a_joint_that_is_named_twice_is_refused():
     names = [*contract.JOINT_NAMES, "left_joint_1"]
-    message = wire.ros(
+    message = ros(
         "sensor_msgs/msg/JointState", wire._header(START, ROBOT), names, np.zeros(7), np.zeros(7), np.zeros(0)
     )
     with pytest.raises(wire.WireError, match="each once"):
-        wire.decode_joints(wire.serialized(message, "sensor_msgs/msg/JointState"))
+        wire.decode_joints(serialized(message, "sensor_msgs/msg/JointState"))
 
 
 @pytest.mark.parametrize("robot", ["", "two words", "a\nb", "\u00e9mulateur", "a.b.c", "x" * 65])

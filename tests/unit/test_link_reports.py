@@ -16,7 +16,7 @@ def _report(stamp: int, session: str = "console.1", mode: str = "following") -> 
 
 def test_before_the_first_nothing_is_known():
     reports = RobotReports()
-    assert reports.latest is reports.mode is reports.of_session is None
+    assert (reports.latest, reports.mode, reports.of_session) == (None, None, None)
     assert reports.value("session") == ""
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import httpx
 import pytest
 
@@ -37,7 +39,7 @@ class Emulator:
     ],
 )
 async def test_only_its_own_address_and_no_other_page_is_served(headers, status):
-    emulator = Emulator()
+    emulator: Any = Emulator()
     transport = httpx.ASGITransport(create_robot_app(emulator))
     async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:
         answer = await client.put("/faults", json={"delay": 0.5}, headers=headers)
@@ -58,7 +60,7 @@ async def test_only_its_own_address_and_no_other_page_is_served(headers, status)
     ],
 )
 async def test_a_body_that_does_not_mean_one_thing_is_refused_in_words(path, body, status):
-    emulator = Emulator()
+    emulator: Any = Emulator()
     transport = httpx.ASGITransport(create_robot_app(emulator))
     headers = {"content-type": "application/json"}
     async with httpx.AsyncClient(transport=transport, base_url=f"http://127.0.0.1:{PORT}") as client:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,7 +80,7 @@ def test_a_frame_is_known_by_its_name(frame, words):
     ],
 )
 def test_joints_in_degrees_are_suspected(what, value, words):
-    numbers = {"angle": np.zeros((2, 3)), "rate": np.zeros((2, 3))}
+    numbers: dict[str, Any] = {"angle": np.zeros((2, 3)), "rate": np.zeros((2, 3))}
     numbers[what][1, 1] = value
     told = trust.joints_fault(JointSample(NOW, **numbers), BOUNDS)
     assert words in told

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from server.link import contract, wire
+from server.log.ros import ros, serialized
 
 STAMP = 1_764_000_000_123_456_789
 ANGLE = np.array([[0.5, -1.25, -1.5], [-0.5, 1.25, 1.5]])
@@ -49,13 +51,13 @@ def test_there_are_golden_bytes_for_every_message():
 
 @pytest.mark.parametrize("name", MESSAGES)
 def test_encodes_as_the_golden_bytes(name):
-    encode, _, message = MESSAGES[name]
+    encode, _, message = cast(tuple[Any, Any, Any], MESSAGES[name])
     assert encode(message).hex() == GOLDEN[name]
 
 
 @pytest.mark.parametrize("name", MESSAGES)
 def test_decodes_the_golden_bytes(name):
-    _, decode, message = MESSAGES[name]
+    _, decode, message = cast(tuple[Any, Any, Any], MESSAGES[name])
     for read, meant in zip(decode(bytes.fromhex(GOLDEN[name])), message, strict=True):
         if isinstance(meant, np.ndarray):
             np.testing.assert_allclose(read, meant, rtol=0, atol=ROUNDING)
@@ -72,7 +74,7 @@ def test_bytes_cut_short_are_refused(name):
 
 def test_joints_may_come_in_any_order():
     names = list(reversed(contract.JOINT_NAMES))
-    message = wire.ros(
+    message = ros(
         "sensor_msgs/msg/JointState",
         wire._header(STAMP, ROBOT),
         names,
@@ -80,16 +82,16 @@ def test_joints_may_come_in_any_order():
         RATE.ravel()[::-1].copy(),
         np.empty(0),
     )
-    sample = wire.decode_joints(wire.serialized(message, "sensor_msgs/msg/JointState"))
+    sample = wire.decode_joints(serialized(message, "sensor_msgs/msg/JointState"))
     np.testing.assert_array_equal(sample.angle, ANGLE)
     np.testing.assert_array_equal(sample.rate, RATE)
 
 
 def test_a_joint_that_is_missing_is_named():
     header = wire._header(STAMP, "")
-    message = wire.ros("sensor_msgs/msg/JointState", header, ["elbow"], np.zeros(1), np.zeros(1), np.empty(0))
+    message = ros("sensor_msgs/msg/JointState", header, ["elbow"], np.zeros(1), np.zeros(1), np.empty(0))
     with pytest.raises(wire.WireError, match="left_joint_1"):
-        wire.decode_joints(wire.serialized(message, "sensor_msgs/msg/JointState"))
+        wire.decode_joints(serialized(message, "sensor_msgs/msg/JointState"))
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])

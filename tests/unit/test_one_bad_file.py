@@ -93,7 +93,7 @@ def forbid(monkeypatch):
             raise PermissionError(13, "Permission denied", str(path))
         return really(path, *arguments, **options)
 
-    monkeypatch.setattr(files.os, "open", refusing)
+    monkeypatch.setattr("server.files.os.open", refusing)
     return forbidden.add
 
 
@@ -153,11 +153,16 @@ def test_bad_remarks_cost_the_star_and_notes_of_one_run(store, forbid, damage):
     assert {path.name for path in store.root.iterdir() if path.is_dir()} == {SPOILED, OTHERS[0]}
 
 
+def _as_old_folder(path: Path) -> None:
+    path.mkdir()
+    os.utime(path, (0, 0))
+
+
 ENTRIES = {
     "a file": (lambda path: path.write_text("x"), "no folder"),
     "a dangling link": (lambda path: path.symlink_to("nowhere"), "leads nowhere"),
     "a looping link": (lambda path: path.symlink_to(path.name), ""),
-    "an old folder without a record": (lambda path: (path.mkdir(), os.utime(path, (0, 0))), "holds no run.json"),
+    "an old folder without a record": (_as_old_folder, "holds no run.json"),
     "a folder just made": (Path.mkdir, None),
 }
 

@@ -1,6 +1,7 @@
 """How the cage is drawn follows what the mission says of it, and nothing else."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -21,5 +22,5 @@ from server.scene.cage import cage_state
     ],
 )
 def test_the_cage_is_drawn_as_it_is(phase, closed, margin, drawn):
-    snapshot = SimpleNamespace(phase=phase, cage_closed=closed, cage_margin=margin)
+    snapshot: Any = SimpleNamespace(phase=phase, cage_closed=closed, cage_margin=margin)
     assert cage_state(snapshot) == drawn

@@ -1,6 +1,7 @@
 """Nothing goes out that has not changed."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -14,11 +15,11 @@ class RecordingHandle:
         object.__setattr__(self, "assigned", [])
 
     def __setattr__(self, name, value):
-        self.assigned.append((name, value))
+        self.__dict__["assigned"].append((name, value))
 
 
 def test_a_node_is_put_where_it_belongs():
-    handle = RecordingHandle()
+    handle: Any = RecordingHandle()
     Moving(handle, height=0.1).move((1.0, 2.0, math.pi / 2))
     (position, place), (orientation, quaternion) = handle.assigned
     assert (position, place) == ("position", (1.0, 2.0, 0.1))
@@ -27,7 +28,7 @@ def test_a_node_is_put_where_it_belongs():
 
 
 def test_only_real_moves_and_turns_are_sent():
-    handle = RecordingHandle()
+    handle: Any = RecordingHandle()
     node = Moving(handle)
     node.move((0.0, 0.0, 0.0))
     handle.assigned.clear()
@@ -39,7 +40,7 @@ def test_only_real_moves_and_turns_are_sent():
 
 
 def test_a_slow_drift_is_not_lost():
-    handle = RecordingHandle()
+    handle: Any = RecordingHandle()
     node = Moving(handle)
     for step in range(101):
         node.move((step * LENGTH_TOLERANCE / 10, 0.0, 0.0))

@@ -17,7 +17,7 @@ def said(**changes):
 
 
 def test_a_camera_is_what_viser_reads():
-    told = viser_messages.Message.deserialize(accepted_camera(said()))
+    told = viser_messages.Message.deserialize(accepted_camera(said()) or b"")
     assert isinstance(told, viser_messages.ViewerCameraMessage)
     assert told.position == (1.0, -2.0, 3.0)
     assert (told.image_width, told.image_height, told.fov) == (900, 420, 0.45)

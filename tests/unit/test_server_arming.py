@@ -79,7 +79,8 @@ def test_everyone_sees_what_is_armed_and_for_how_long_but_not_its_token():
     order = armed()
     shown = order.shown(102.0)
     assert shown is not None
-    assert (shown.command, shown.by, shown.expires_in) == ("capture", "ana", pytest.approx(ARMED_TIME - 2.0))
+    assert (shown.command, shown.by) == ("capture", "ana")
+    assert shown.expires_in == pytest.approx(ARMED_TIME - 2.0)
     assert "token" not in shown.model_dump_json()
     order.watch(IDLE, 100.0 + ARMED_TIME)
     assert order.shown(107.0) is None

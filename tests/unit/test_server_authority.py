@@ -69,7 +69,10 @@ def test_what_is_no_origin(text):
     ],
 )
 def test_a_page_of_this_service(origin, host, scheme, same):
-    assert is_same(read_origin(origin), read_authority(host), scheme) is same
+    page, asked = read_origin(origin), read_authority(host)
+    assert page is not None
+    assert asked is not None
+    assert is_same(page, asked, scheme) is same
 
 
 def test_allowed_hosts_are_kept_as_requests_name_them():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ def _read(history: HistoryRing, since: int = -1) -> dict:
     return json.loads("{" + history.encoded(since) + "}")
 
 
-def _column(history: HistoryRing, name: str) -> list[float | None]:
+def _column(history: HistoryRing, name: str) -> list[Any]:
     return [row[NAMES.index(name)] for row in _read(history)["rows"]]
 
 

@@ -215,7 +215,12 @@ def test_an_index_that_another_process_holds_makes_no_search_wait(store, index, 
     monkeypatch.setattr(run_index, "PATIENCE", 0.01)
     opened = []
     connect = sqlite3.connect
-    monkeypatch.setattr(sqlite3, "connect", lambda path, **options: opened.append(path) or connect(path, **options))
+
+    def noted(path, **options):
+        opened.append(path)
+        return connect(path, **options)
+
+    monkeypatch.setattr(sqlite3, "connect", noted)
     later = kept(store)
     assert found(index) == [later, run]
     assert index.tally() == {("scripted", "finished", None): 2}

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from sim.compiled import FloatArray
 from sim.config import ImpedanceConfig
 from sim.control.admittance import admittance_transition, admitted
 
@@ -29,15 +30,18 @@ def stepped(impedance: ImpedanceConfig, displacement: float, velocity: float, fo
     return np.array([displacement, velocity])
 
 
+def _oscillator(_time: float, state: FloatArray, m: float, d: float, k: float, force: float) -> FloatArray:
+    return np.array([state[1], (force - d * state[1] - k * state[0]) / m])
+
+
 def integrated(impedance: ImpedanceConfig, displacement: float, velocity: float, forces, period=PERIOD):
     """The same by a general-purpose integrator, a period at a time."""
     m, d, k = impedance.mass, impedance.damping, impedance.stiffness
     state = np.array([displacement, velocity])
     for force in forces:
         solution = solve_ivp(
-            lambda _, s, force=force: [s[1], (force - d * s[1] - k * s[0]) / m],
-            (0.0, period), state, method="DOP853", rtol=1e-12, atol=1e-15,
-        )  # fmt: skip
+            _oscillator, (0.0, period), state, method="DOP853", rtol=1e-12, atol=1e-15, args=(m, d, k, force)
+        )
         state = solution.y[:, -1]
     return state
 
@@ -96,6 +100,6 @@ def test_a_change_of_impedance_does_not_jump_the_velocity(change):
     """After it the velocity moves by no more than one period of the new impedance's largest acceleration."""
     before = stepped(ImpedanceConfig(), 0.0, 0.0, [0.3] * 40)
     impedance = ImpedanceConfig(**change)
-    after = stepped(impedance, *before, [0.3])
+    after = stepped(impedance, before[0], before[1], [0.3])
     drive = 0.3 + impedance.damping * abs(before[1]) + impedance.stiffness * abs(before[0])
     assert abs(after[1] - before[1]) <= PERIOD * drive / impedance.mass

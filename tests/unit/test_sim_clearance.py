@@ -40,7 +40,9 @@ def test_an_overlap_names_its_part(target, part):
 
 
 def test_the_deepest_overlap_is_told_with_its_depth():
-    part, depth = initial_overlap(placed(initial_x=0.1984 - 0.09 + 0.002, initial_y=0.385))
+    overlap = initial_overlap(placed(initial_x=0.1984 - 0.09 + 0.002, initial_y=0.385))
+    assert overlap is not None
+    part, depth = overlap
     assert part == "right tips"
     assert depth == pytest.approx(0.002, abs=1e-4)
 

@@ -7,6 +7,7 @@ import stat
 import tempfile
 from pathlib import Path
 
+import platformdirs
 import pytest
 
 from server.settings import Settings
@@ -21,7 +22,7 @@ def _no_home(*_: object, **__: object) -> str:
 @pytest.fixture
 def homeless(monkeypatch, tmp_path):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.setattr(compiled.platformdirs, "user_cache_dir", _no_home)
+    monkeypatch.setattr(platformdirs, "user_cache_dir", _no_home)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     return tmp_path
 
@@ -34,7 +35,7 @@ def test_a_user_without_a_home_has_a_folder_of_their_own(homeless):
 
 def test_a_home_that_cannot_be_written_is_none(homeless, monkeypatch):
     (homeless / "file").write_text("")
-    monkeypatch.setattr(compiled.platformdirs, "user_cache_dir", lambda _: str(homeless / "file" / "cache"))
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda _: str(homeless / "file" / "cache"))
     assert compiled.cache_folder().parent.name.startswith("becalm-compiled-")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
+from typing import Any, cast
 
 import pytest
 from hypothesis import given, settings
@@ -174,7 +175,7 @@ class TestRefusal:
 
     def test_of_a_change_to_what_is_frozen(self):
         with pytest.raises(ValidationError, match="frozen"):
-            MissionConfig().target.mass = 3.0
+            MissionConfig().target.mass = 3.0  # type: ignore[misc]
 
 
 numbers = st.sampled_from(
@@ -190,10 +191,10 @@ numbers = st.sampled_from(
 @st.composite
 def good_changes(draw):
     """A few parameters, each at some value within its bounds."""
-    changes = {}
+    changes: dict[str, Any] = {}
     for path in draw(st.lists(numbers, max_size=4, unique=True)):
         bounds = bounds_of(path)
-        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        low, high = cast(tuple[float, float], (bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))))
         if PARAMETERS[path].annotation is int:
             changes[path] = draw(st.integers(int(low), int(high)))
         else:

@@ -33,7 +33,7 @@ def test_no_masses_within_it_have_more(seed):
     x, y = draws.uniform(-0.1, 0.1, 5), draws.uniform(0.0, 0.4, 5)
     centre_x, centre = masses @ x / 2.0, masses @ y / 2.0
     inertia = masses @ ((x - centre_x) ** 2 + (y - centre) ** 2)
-    assert inertia <= _outline(centre, 0.4 - centre, 0.1).most
+    assert inertia <= _outline(float(centre), 0.4 - float(centre), 0.1).most
 
 
 @pytest.mark.parametrize("name", NAMED_CONFIGURATIONS)

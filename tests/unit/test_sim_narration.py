@@ -132,7 +132,14 @@ def outcome(*, caged: bool) -> Outcome:
         caged=caged,
         cage_margin=0.005 if caged else None,
         peak_tip_force=0.6,
+        peak_tip_force_to_closure=0.6,
+        closed_at=None,
+        locked_at=None,
+        duration=1.0,
         contacts=[],
+        final_target_spin=0.0,
+        min_manipulability=0.02,
+        momentum_error=0.0,
     )
 
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from flying import after
 
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
@@ -14,6 +13,7 @@ from sim.errors import PlantDiverged
 from sim.model.clearance import geometric_base_pose
 from sim.model.robot import chain, initial_joint_angles, robot_model
 from sim.plant.pymunk_plant import PymunkPlant
+from tests.flying import after
 
 STILL = np.zeros((2, 3))
 ROUNDING = 1e-12

@@ -76,7 +76,7 @@ class TestDistribution:
 
     def test_normal(self):
         normal = Distribution(mean=2.0, deviation=0.5)
-        np.testing.assert_allclose(normal.quantiles(norm.cdf([-1.0, 0.0, 2.0])), [1.5, 2.0, 3.0])
+        np.testing.assert_allclose(normal.quantiles(np.asarray(norm.cdf([-1.0, 0.0, 2.0]))), [1.5, 2.0, 3.0])
         assert np.isfinite(normal.quantiles(self.fractions)).all()
 
     def test_normal_cut(self):

@@ -187,4 +187,4 @@ def test_a_study_is_frozen():
     study = study_of({"grid": GRID})
     assert isinstance(study, Study)
     with pytest.raises(ValueError, match="frozen"):
-        study.seed = 3
+        study.seed = 3  # type: ignore[misc]

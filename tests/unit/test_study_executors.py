@@ -166,7 +166,12 @@ def test_a_study_that_makes_no_progress_ends_when_nobody_waits_for_it():
         def shutdown(self, wait: bool = True, **_) -> None:
             assert not wait
 
-    asked = []
+    asked: list[int] = []
+
+    def asked_twice() -> bool:
+        asked.append(0)
+        return len(asked) == 2
+
     rows: list = []
-    fly_cells(TASKS, rows.append, Silent, at_once=2, gives_up=lambda: asked.append(0) or len(asked) == 2)
+    fly_cells(TASKS, rows.append, Silent, at_once=2, gives_up=asked_twice)
     assert (rows, len(asked)) == ([], 2)

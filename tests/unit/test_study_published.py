@@ -38,7 +38,7 @@ class TestStudy:
         values = {tuple(cell.values.values()) for cell in published_study().cells()}
         assert published_study().count == len(values) == 484
         assert published_study().shape == (4, 11, 11, 1)
-        assert set(published_classes()) < {Impedance(*cell) for cell in values}
+        assert set(published_classes()) < {Impedance(*map(float, cell)) for cell in values}
 
     def test_flies_the_published_configuration_at_its_spin(self):
         assert published_study().base == named_configuration("published")
