@@ -16,8 +16,10 @@ from .conftest import ARTIFACTS, Service, press
 pytestmark = pytest.mark.browser
 
 SVG = "{http://www.w3.org/2000/svg}"
-WIDTH, HEIGHT = 720, 340
+WIDTH, HEIGHT = 720, 356
 """Of a figure, in CSS pixels."""
+LEGEND, LETTER = "55", 6.4
+"""Where its legend stands, and how wide a letter is."""
 PNG_SCALE = 3
 POINTS = 0.75
 
@@ -52,7 +54,9 @@ def _pdf_words(document: Path) -> str:
         zlib.decompress(each) for each in re.findall(rb"FlateDecode.*?stream\r?\n(.*?)\r?\nendstream", content, re.S)
     ]
     return " | ".join(
-        text.decode("cp1252") for page in pages for text in re.findall(rb"\(((?:[^()\\]|\\.)*)\) Tj", page)
+        re.sub(r"\\(.)", r"\1", text.decode("cp1252"))
+        for page in pages
+        for text in re.findall(rb"\(((?:[^()\\]|\\.)*)\) Tj", page)
     )
 
 
@@ -90,14 +94,16 @@ def test_a_plot_of_the_mission_that_flies_and_of_two_runs(console: Page, service
     view = console.get_by_role("region", name=f"Run {one}")
     compared = view.get_by_role("figure", name=re.compile("^Tip force"))
     expect(compared.locator("i")).to_have_count(2)
+    expect(compared.locator("i").first).not_to_have_text("—")
     both = {kind: _saved(console, compared, kind) for kind in ("SVG", "PNG", "PDF")}
     for words in (_words(both["SVG"]), _pdf_words(both["PDF"])):
-        for said in (f"Run {one}, published, seed 1; other run {other}", "other run, thinner"):
+        for said in (f"Run {one}, published (edited), seed 1; other run {other}", "other run, thinner"):
             assert said in words
     assert len(_curves(both["SVG"])) == 4
     _assert_on_white(both["PNG"])
     view.get_by_text("Joints", exact=True).click()
     joints = _saved(console, view.get_by_role("figure", name=re.compile("^Left joint rates")), "SVG")
     assert len(_curves(joints)) == 12
-    furthest = max(float(each.get("x", 0)) for each in ET.parse(joints).getroot().iter(f"{SVG}text"))
-    assert furthest < WIDTH - 18  # the legend of six curves and of the other run stands within the picture
+    legend = [each for each in ET.parse(joints).getroot().iter(f"{SVG}text") if each.get("y") == LEGEND]
+    assert [each.text for each in legend][-1] == "other run, thinner"
+    assert all(float(each.get("x", 0)) + LETTER * len(each.text or "") < WIDTH for each in legend)

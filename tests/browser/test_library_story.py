@@ -59,7 +59,7 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     entry.hover()
     entry.get_by_role("link", name="Compare").click()
     both = other.get_by_role("region", name="Two runs")
-    expect(both.get_by_role("row", name=re.compile("^seed"))).to_contain_text("11")
+    expect(both.get_by_role("row", name=re.compile("^Seed"))).to_contain_text("11")
     expect(both.get_by_role("row", name=re.compile("^Peak to closure"))).to_be_visible()
     curves = other.get_by_role("figure", name=re.compile("^Tip force")).locator("i")
     expect(curves).to_have_count(2)  # the second run's readings beside the first's

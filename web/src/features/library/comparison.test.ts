@@ -6,7 +6,7 @@ import { comparedAt, comparedSlice, comparedWith } from "../plots/compared";
 import { choices, figures, named } from "./comparison";
 
 const run = (damping: number, seed: number): Run =>
-  ({ config: { control: { impedance: { mass: 0.1, damping } } }, seed, duration: 12.5, outcome: null }) as unknown as Run;
+  ({ config: { control: { impedance: { mass: 0.1, damping } }, simulation: { seed } }, seed, duration: 12.5, outcome: null }) as unknown as Run;
 
 /** Idle until `begin`, then detumbling; the spin is the time. */
 function recorded(begin: number, period: number, end: number): Series {
@@ -24,7 +24,7 @@ describe("two runs beside one another", () => {
     expect(choices(run(1.5, 0), run(1.5, 0))).toEqual([]);
     expect(choices(run(1.5, 0), run(3, 7))).toEqual([
       { name: "control.impedance.damping", one: "1.5", other: "3" },
-      { name: "seed", one: "0", other: "7" },
+      { name: "simulation.seed", one: "0", other: "7" },
     ]);
   });
 
@@ -32,7 +32,7 @@ describe("two runs beside one another", () => {
     const parameters = [{ path: "control.impedance.damping", title: "Virtual damping of the hand", unit: "N s/m" }];
     expect(named(choices(run(1.5, 0), run(3, 7)), parameters)).toEqual([
       { name: "Virtual damping of the hand, N·s/m", path: "control.impedance.damping", one: "1.5", other: "3" },
-      { name: "seed", one: "0", other: "7" },
+      { name: "simulation.seed", one: "0", other: "7" },
     ]);
   });
 

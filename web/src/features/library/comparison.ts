@@ -37,12 +37,10 @@ function leaves(branch: unknown, path: string): [string, string][] {
 /** What was chosen differently, by full path. */
 export function choices(one: Run, other: Run): Line[] {
   const others = new Map(leaves(other.config, ""));
-  const differing = leaves(one.config, "").flatMap(([name, value]) => {
+  return leaves(one.config, "").flatMap(([name, value]) => {
     const theirs = others.get(name) ?? "—";
     return theirs === value ? [] : [{ name, one: value, other: theirs }];
   });
-  const seeds = one.seed === other.seed ? [] : [{ name: "seed", one: String(one.seed), other: String(other.seed) }];
-  return [...differing, ...seeds];
 }
 
 /** The same with each parameter called as on its form, with its unit; one that the service does not know keeps its path. */

@@ -101,7 +101,7 @@ export class Chart {
     return {
       width: place.clientWidth,
       height: place.clientHeight,
-      padding: [6, 12, 0, 0],
+      padding: [6, 20, 0, 0],
       legend: { show: false },
       cursor: {
         sync: { key: CURSORS.key, setSeries: false, scales: ["x", null] },

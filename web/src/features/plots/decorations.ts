@@ -146,7 +146,7 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
     width: ctx.measureText(touchWords(touch)).width,
     matters: !touch.planned,
   }));
-  const shown = readable(labels, 2 * ratio);
+  const shown = readable(labels, 4 * ratio);
   for (const [place, touch] of touches.entries()) {
     const left = plot.valToPos(touch.start, "x", true);
     const right = plot.valToPos(touch.end ?? plot.data[0].at(-1) ?? touch.start, "x", true);

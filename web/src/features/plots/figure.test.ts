@@ -20,7 +20,7 @@ describe("a plot as a figure", () => {
     for (const words of ["Tip force &lt;resultant&gt;", "Run 20261122T113000123-4f9a2c", "Force, N", "Mission time, s", "Left", "direct caging", "Caging"]) {
       expect(markup).toContain(words);
     }
-    expect(markup).toContain('<rect width="720" height="340" fill="#ffffff"/>');
+    expect(markup).toContain('<rect width="720" height="356" fill="#ffffff"/>');
     expect(markup).not.toMatch(/var\(|class=|currentColor/);
   });
 

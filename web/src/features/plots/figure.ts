@@ -35,8 +35,8 @@ export interface PlotFigure {
   readonly touches: readonly Touch[];
 }
 
-export const FIGURE_SIZE = { width: 720, height: 340 } as const;
-const EDGE = { left: 64, right: 18, top: 66, bottom: 48 } as const;
+export const FIGURE_SIZE = { width: 720, height: 356 } as const;
+const EDGE = { left: 64, right: 18, top: 82, bottom: 48 } as const;
 const INK = "#1a1a1a";
 const FAINT = "#666666";
 const GRID = "#e3e3e3";
@@ -93,6 +93,7 @@ function axes({ x, y }: Axes, yLabel: string): string {
   ].join("");
 }
 
+/** Each phase in its own shade, with its name above the field, where no curve and no level runs through it. */
 function phases({ x }: Axes, { phases: spans, range }: PlotFigure): string {
   return spans
     .map(({ phase, start, end }) => {
@@ -100,7 +101,7 @@ function phases({ x }: Axes, { phases: spans, range }: PlotFigure): string {
       if (to <= from) return "";
       const words = PHASE_WORDS[phase];
       const shade = `<rect x="${fixedPlace(from)}" y="${EDGE.top}" width="${fixedPlace(to - from)}" height="${bottom - EDGE.top}" fill="${SHADES[phase] ?? "#ffffff"}"/>`;
-      return shade + (to - from > 6.5 * words.length ? text(from + 4, EDGE.top + 13, words, `fill="${FAINT}"`) : "");
+      return shade + (to - from > 6.5 * words.length ? text(from + 1, EDGE.top - 5, words, `fill="${FAINT}"`) : "");
     })
     .join("");
 }
@@ -137,7 +138,7 @@ function legend(curves: readonly FigureCurve[]): string {
     .filter(({ label }) => label !== "")
     .map(({ label, colour, dash, width }) => {
       const from = place;
-      place += 34 + 6.4 * label.length;
+      place += 34 + 6.7 * label.length;
       const sign = rule(from, 51, from + 20, 51, colour, `stroke-width="${Math.max(width, 1.2)}"${dash ? ` stroke-dasharray="${dash.join(" ")}"` : ""}`);
       return sign + text(from + 25, 55, label);
     })
