@@ -93,7 +93,7 @@ def bounce(damping: float, side: float = 1.0) -> tuple[float, float]:
         MissionConfig(),
         nested({
             "robot.base.mass": 1e4,
-            "robot.base.inertia": 1e4,
+            "robot.base.inertia": 250.0,
             "robot.servo.time_constant": 0.0,
             "robot.servo.torque_limit": 1e3,
             "target.initial_x": side * 0.10,
