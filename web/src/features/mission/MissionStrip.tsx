@@ -1,4 +1,5 @@
 /** What is happening now, in one line of sight. */
+import { NextCell } from "./cells";
 import { MissionClock } from "./MissionClock";
 import styles from "./MissionStrip.module.css";
 import { PhaseTimeline } from "./PhaseTimeline";
@@ -12,7 +13,9 @@ export function MissionStrip() {
         <PhaseTimeline />
         <Description announced />
       </div>
-      <Cells />
+      <Cells>
+        <NextCell />
+      </Cells>
     </section>
   );
 }

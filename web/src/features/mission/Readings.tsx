@@ -1,8 +1,9 @@
 /** What happens at the moment that is shown: phases, words, and the readings beside them. */
+import type { ReactNode } from "react";
 import { useSnapshot } from "../../store/context";
-import { CageCell, ContactCell, DriftCell, NextCell } from "./cells";
-import styles from "./Readings.module.css";
+import { CageCell, ContactCell, DriftCell } from "./cells";
 import { PhaseTimeline } from "./PhaseTimeline";
+import styles from "./Readings.module.css";
 import { SpinGauge } from "./SpinGauge";
 
 /** @param announced to screen readers, where it changes by itself */
@@ -15,14 +16,15 @@ export function Description({ announced }: { readonly announced: boolean }) {
   );
 }
 
-export function Cells() {
+/** @param children what stands beside them */
+export function Cells({ children }: { readonly children?: ReactNode }) {
   return (
     <div className={styles.cells}>
       <SpinGauge />
       <DriftCell />
       <ContactCell />
       <CageCell />
-      <NextCell />
+      {children}
     </div>
   );
 }
