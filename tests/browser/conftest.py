@@ -127,7 +127,7 @@ def press(console: Page, command: str) -> None:
         expect(button).to_have_attribute("aria-disabled", "false")
         button.click()
         expect(answer).to_have_attribute("data-verdict", re.compile("accepted|refused|unknown"))
-        if "data are old" not in answer.inner_text():
+        if "data are stale" not in answer.inner_text():
             break
     expect(answer).to_contain_text(f"{command} accepted")
 

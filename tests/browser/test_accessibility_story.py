@@ -34,8 +34,8 @@ def addresses(service: Service) -> dict[str, str]:
     service.ask("/mission/commands", {"command": "detumble"})
     return {
         "/": "Tip force",
-        "/#/runs": "Paper's verdict: every",
-        f"/#/runs/{one}/{other}": "Two runs",
+        "/#/runs": "Paper's verdict: all",
+        f"/#/runs/{one}/{other}": "Comparison",
         f"/#/studies/{study}": "finished",
         "/#/link": "simulation",
     }

@@ -24,7 +24,7 @@ LEAST_TOUCHES = 5
 
 def test_a_capture_from_the_first_click_to_the_log(whole_console: Page, tmp_path: Path) -> None:
     console = whole_console
-    choose(console, "Speed of the simulation", "2 ×")
+    choose(console, "Simulation speed", "2 ×")
     expect(console.get_by_role("timer", name="Mission time")).not_to_have_text("—")
     scene = console.frame_locator("iframe[title='3D view of robot and target']")
     expect(scene.locator("canvas").first).to_be_visible()

@@ -38,15 +38,15 @@ def test_edits_are_staged_bounded_and_applied_together(console: Page, service: S
 def test_a_preset_outlives_a_reset_which_asks_before_it_loses_edits(console: Page, service: Service) -> None:
     service.ask("/mission/config", {"control": {"impedance": {"damping": 0.3}}}, "PATCH")
     expect(console.get_by_text("published_figures (edited)")).to_be_visible()
-    console.get_by_role("button", name="Keep as").click()
-    console.get_by_label("Name of the preset").fill("soft hands")
-    console.get_by_role("button", name="Keep", exact=True).click()
-    expect(console.get_by_text("Kept by operator; it would be replaced.")).to_be_visible()
-    console.get_by_label("Name of the preset").press("Tab")
+    console.get_by_role("button", name="Save as").click()
+    console.get_by_label("Preset name").fill("soft hands")
+    console.get_by_role("button", name="Save", exact=True).click()
+    expect(console.get_by_text("Saved by operator; it will be replaced.")).to_be_visible()
+    console.get_by_label("Preset name").press("Tab")
     console.get_by_role("heading", name="Parameters").click()  # closes what was opened
 
     console.get_by_role("button", name="Reset", exact=True).click()
-    expect(console.locator("[data-verdict=armed]")).to_contain_text("What was edited is lost")
+    expect(console.locator("[data-verdict=armed]")).to_contain_text("Edited parameters will be lost")
     assert service.ask("/mission")["configuration"] == "published_figures (edited)"
     answer = console.locator("[data-verdict]")
     for _ in range(PRESSES):  # a press too soon is the second half of a double click

@@ -67,7 +67,7 @@ def test_a_click_into_a_plot_goes_to_that_moment_and_a_note_keeps_it(console: Pa
     there = replay.locator("output").inner_text()
 
     console.get_by_label("A note on this run").fill("look here")
-    console.get_by_role("checkbox", name=re.compile("At the moment shown")).check()
+    console.get_by_role("checkbox", name=re.compile("At the time shown")).check()
     console.get_by_role("button", name="Add note").click()
     at = console.get_by_role("button", name=f"at {there}")
     expect(at).to_be_visible()

@@ -160,8 +160,8 @@ def test_it_stops_at_any_address_and_with_anything_open(browser: Browser, missio
     page.keyboard.press("Escape")
     _expect_stopped(page, mission)
 
-    combobox = page.get_by_role("combobox", name="Speed of the simulation")
-    for opened in (combobox, page.get_by_role("button", name="Layers"), page.get_by_role("button", name="Keep as")):
+    combobox = page.get_by_role("combobox", name="Simulation speed")
+    for opened in (combobox, page.get_by_role("button", name="Layers"), page.get_by_role("button", name="Save as")):
         _flying(mission)
         opened.click()
         expect(page.get_by_text("Esc also stops the mission").locator("visible=true")).to_be_visible()

@@ -20,7 +20,7 @@ STUDY_TIME = 180_000
 def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Service, tmp_path: Path) -> None:
     console.get_by_role("link", name="Studies").click()
     expect(console.get_by_role("button", name="STOP")).to_be_enabled()
-    console.get_by_role("button", name="A study of my own").click()
+    console.get_by_role("button", name="Custom study").click()
     console.get_by_label("Name").fill("three dampings")
     console.get_by_role("combobox", name="Grid, values 1").fill("0,5")
     expect(console.get_by_text("write 0.5")).to_be_visible()
@@ -54,7 +54,7 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     cell = console.locator("section", has=console.get_by_role("heading", name="Cell 1"))
     expect(cell).to_contain_text(f"{chosen['peak_tip_force']:.3f} N")
     console.screenshot(path=ARTIFACTS / "studies.png")
-    cell.get_by_role("button", name="Prepare it in the scene").click()
+    cell.get_by_role("button", name="Set up as live mission").click()
     expect(console).to_have_url(re.compile("#/mission|/$"))
     assert service.ask("/mission")["phase"] == "idle"  # an operator flies it
     flown = service.ask("/mission/config")["config"]

@@ -226,7 +226,7 @@ def test_what_moves_the_robot_takes_two_presses(service, browser: Browser):
     answer = page.locator("[data-verdict]")
     expect(detumble).to_have_attribute("aria-disabled", "false", timeout=BOUND)
     detumble.dblclick()
-    expect(answer).to_contain_text("The robot will move. Press again to go.", timeout=BOUND)
+    expect(answer).to_contain_text("The robot will move. Press again to confirm.", timeout=BOUND)
     assert service.get("/mission")["phase"] == "idle"
 
     def pressed() -> bool:  # again if it was too soon, or if a busy machine stood still while it was armed

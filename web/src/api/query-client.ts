@@ -20,5 +20,5 @@ export const newQueryClient = (): QueryClient =>
     },
   });
 
-/** What the service said against a question; null for none. */
+/** The refusal among errors; null for none. */
 export const refusalIn = (cause: Error | null): Refusal | null => (cause instanceof Refusal ? cause : null);

@@ -43,7 +43,7 @@ function Console() {
 /** Nothing of the mission before the service has said who one is; the sign-in if it asks for a token. */
 function Gate() {
   const { session } = useAccess();
-  if (session === null) return <p className={styles.waiting}>Waiting for the service to answer. STOP is sent all the same.</p>;
+  if (session === null) return <p className={styles.waiting}>Waiting for the service to answer. STOP still works.</p>;
   return session.token_needed && session.role === null ? <SignIn /> : <Console />;
 }
 

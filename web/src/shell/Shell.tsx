@@ -4,7 +4,7 @@ import { useEffect } from "react";
 import { LibraryPage } from "../features/library/LibraryPage";
 import { LinkPage } from "../features/link/LinkPage";
 import { StudiesPage } from "../features/studies/StudiesPage";
-import { tellPhase } from "../stop/events";
+import { announcePhase } from "../stop/events";
 import { useDataState, useView } from "../store/context";
 import { Boundary } from "../ui/Boundary";
 import { MissionPage } from "./MissionPage";
@@ -14,10 +14,10 @@ import { StatusLine } from "./StatusLine";
 import { TopBar } from "./TopBar";
 
 /** What STOP shows of its answer depends on it; that it stops does not. */
-function useTellPhase(): void {
+function useAnnouncePhase(): void {
   const phase = useView((view) => (view.trust === "live" ? (view.snapshot?.phase ?? null) : null));
   useEffect(() => {
-    tellPhase(phase);
+    announcePhase(phase);
   }, [phase]);
 }
 
@@ -25,7 +25,7 @@ function useTellPhase(): void {
 export function Shell() {
   const state = useDataState();
   const { page, item, other } = useRoute();
-  useTellPhase();
+  useAnnouncePhase();
   return (
     <div className={styles.shell} {...state}>
       <div className={styles.head}>

@@ -34,7 +34,7 @@ function MissionFacts({ phased }: { readonly phased: boolean }) {
 export function StatusLine({ phased }: { readonly phased: boolean }) {
   const trusted = useView((view) => view.trust === "live" && view.robotAge === 0);
   return (
-    <section className={styles.line} aria-label="State of the data">
+    <section className={styles.line} aria-label="Data status">
       <LinkState />
       {trusted ? <MissionFacts phased={phased} /> : <TrustNotice />}
     </section>

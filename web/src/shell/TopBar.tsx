@@ -12,16 +12,16 @@ function ThemeSwitch() {
   const { colorScheme, setColorScheme } = useMantineColorScheme();
   const other = colorScheme === "light" ? "dark" : "light";
   return (
-    <Tooltip label={`Change to the ${other} theme`} position="bottom">
+    <Tooltip label={`Switch to the ${other} theme`} position="bottom">
       <ActionIcon
         variant="subtle"
         color="gray"
-        aria-label={`Change to the ${other} theme`}
+        aria-label={`Switch to the ${other} theme`}
         onClick={() => {
           setColorScheme(other);
         }}
       >
-        <Icon sign={other === "light" ? "sun" : "moon"} />
+        <Icon icon={other === "light" ? "sun" : "moon"} />
       </ActionIcon>
     </Tooltip>
   );
@@ -31,7 +31,7 @@ function AngleSwitch() {
   const { angles, setAngles } = usePreferences();
   return (
     <SegmentedControl
-      aria-label="Unit of angles"
+      aria-label="Angle unit"
       value={angles}
       onChange={(value) => {
         setAngles(value);
@@ -44,14 +44,14 @@ function AngleSwitch() {
   );
 }
 
-const PAGE_WORDS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies", link: "Link" };
+const PAGE_LABELS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies", link: "Link" };
 
 function Pages({ shown, onChosen }: { readonly shown: Page; readonly onChosen: () => void }) {
   return (
     <nav className={styles.pages} aria-label="Pages">
       {PAGES.map((page) => (
         <a key={page} href={hashOf({ page, item: "" })} aria-current={page === shown ? "page" : undefined} onClick={onChosen}>
-          {PAGE_WORDS[page]}
+          {PAGE_LABELS[page]}
         </a>
       ))}
     </nav>

@@ -11,7 +11,7 @@ import styles from "./TrustNotice.module.css";
 /** What the notice says while the connection is as it is. */
 function retryWords(lost: boolean, retryIn: number): string {
   if (!lost) return "The connection is open but silent.";
-  return retryIn > 1000 ? `Connecting again in ${retryIn / 1000} s.` : "Connecting again now.";
+  return retryIn > 1000 ? `Reconnecting in ${retryIn / 1000} s.` : "Reconnecting now.";
 }
 
 function StaleNotice() {
@@ -20,10 +20,10 @@ function StaleNotice() {
   const retryIn = useView((view) => view.retryIn);
   return (
     <div className={styles.notice} data-tone="error" role="alert">
-      <Icon sign="error" size={18} />
-      <strong>These data are {duration(age / 1000)} old.</strong>
+      <Icon icon="error" size={18} />
+      <strong>The data are {duration(age / 1000)} old.</strong>
       <span>
-        {retryWords(lost, retryIn)} Commands wait for fresh data; STOP is still sent.
+        {retryWords(lost, retryIn)} Commands are disabled until the data are fresh; STOP still works.
       </span>
     </div>
   );
@@ -36,9 +36,9 @@ function RobotNotice() {
   const silent = useView((view) => (view.snapshot?.robot?.silent_for ?? 0) > 0.5);
   return (
     <div className={styles.notice} data-tone="error" role="alert">
-      <Icon sign="link" size={18} />
+      <Icon icon="link" size={18} />
       <strong>{silent ? `The robot has been silent for ${duration(age / 1000)}.` : `The robot's ${stream} is ${duration(age / 1000)} old.`}</strong>
-      <span>The service is live; what is shown of the robot is as it was last heard. STOP is still sent.</span>
+      <span>The service is live; the robot's data are as last received. STOP still works.</span>
     </div>
   );
 }
@@ -48,7 +48,7 @@ function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
   const store = useStore();
   return (
     <div className={styles.notice} data-tone="preparing" role="status">
-      <Icon sign="reset" size={18} />
+      <Icon icon="reset" size={18} />
       <strong>The service was restarted.</strong>
       <span>
         Run <a href={hashOf({ page: "runs", item: cutOff.run_id })}>{cutOff.run_id}</a>, then {cutOff.phase}, was cut off at {clock(cutOff.time, 1)}.
@@ -64,7 +64,7 @@ function PreparingNotice({ since }: { readonly since: number }) {
   const seconds = Math.max(0, Math.round((useClock(250) - since) / 1000));
   return (
     <div className={styles.notice} data-tone="preparing" role="status">
-      <Icon sign="wait" size={18} />
+      <Icon icon="wait" size={18} />
       <strong>The controller is being compiled for this machine.</strong>
       <span>About half a minute, once; later starts take a second. {seconds > 0 ? `${seconds} s so far.` : ""}</span>
       <span className={styles.progress} aria-hidden="true" />
@@ -76,9 +76,9 @@ function ConnectingNotice() {
   const attempt = useView((view) => (view.link.state === "lost" ? view.link.attempt : 0));
   return (
     <div className={styles.notice} data-tone={attempt > 2 ? "error" : "preparing"} role="status">
-      <Icon sign="link" size={18} />
+      <Icon icon="link" size={18} />
       <strong>{attempt > 2 ? "The service does not answer." : "Connecting to the service."}</strong>
-      <span>{attempt > 2 ? "Is `becalm serve` running? This page goes on by itself as soon as it is." : ""}</span>
+      <span>{attempt > 2 ? "Is `becalm serve` running? This page reconnects by itself." : ""}</span>
     </div>
   );
 }

@@ -6,7 +6,7 @@ import type { Health } from "../api/types";
 import { LiveSource } from "../source/live-source";
 import { MissionStore } from "../store/mission";
 
-const LOOK_PERIOD = 100;
+const CHECK_PERIOD = 100;
 /** Milliseconds between two looks at the service's health: often when something is amiss. */
 const HEALTH_PERIOD = { calm: 3000, amiss: 1000 };
 
@@ -29,7 +29,7 @@ export function useLiveMission(): MissionStore {
   });
   useEffect(() => {
     const end = store.open();
-    const clock = setInterval(store.look, LOOK_PERIOD);
+    const clock = setInterval(store.checkAge, CHECK_PERIOD);
     return () => {
       clearInterval(clock);
       end();

@@ -35,7 +35,7 @@ function recordingSink() {
     scene: () => undefined,
     ended: (why) => calls.push(`ended ${why}`),
     events: (events) => calls.push(...events.map(({ message }) => `event ${message}`)),
-    heard: (service, time, cutOff) => calls.push(`${service} at ${time}, cut off: ${cutOff?.run_id ?? "none"}`),
+    hello: (service, time, cutOff) => calls.push(`${service} at ${time}, cut off: ${cutOff?.run_id ?? "none"}`),
     reset: () => calls.push("reset"),
   };
   return { links, runs, calls, sink };

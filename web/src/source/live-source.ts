@@ -214,7 +214,7 @@ class Connection {
         this.coming = { run: frame.run_id, events: [], history: null };
         break;
       case "hello":
-        this.sink.heard(frame.service, frame.service_time, frame.cut_off);
+        this.sink.hello(frame.service, frame.service_time, frame.cut_off);
         break;
       case "preparing":
         break;

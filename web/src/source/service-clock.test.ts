@@ -29,7 +29,7 @@ describe("the age of data by their stamps", () => {
     expect(clock.age(stamp(4000), 4700)).toBeCloseTo(700, -1);
   });
 
-  it("begins anew when a clock has stood still, in either direction", () => {
+  it("starts over when a clock has stood still, in either direction", () => {
     const asleep = new ServiceClock();
     asleep.roundTrip(0, 10, stamp(5));
     asleep.arrived(stamp(3_600_000), 20); // the page's clock stood for an hour

@@ -54,7 +54,7 @@ export interface Sink {
   ended(why: string): void;
   /** A service, which a restart gives another name, has told the time by its own clock, in seconds, just now, and which
    * run the restart cut off. */
-  heard(service: string, serviceTime: number, cutOff: CutOff | null): void;
+  hello(service: string, serviceTime: number, cutOff: CutOff | null): void;
   /** Events in any order; those that are known are not repeated. */
   events(events: readonly MissionEvent[]): void;
   /** Another mission began; nothing known so far belongs to it. */

@@ -9,7 +9,7 @@ export const STOP_PRESSED = "becalm:stop-pressed";
 /** The phase of the mission as far as fresh data tell, or null; in the event's `detail`. */
 export const PHASE_KNOWN = "becalm:phase-known";
 
-export function tellPhase(phase: string | null): void {
+export function announcePhase(phase: string | null): void {
   window.dispatchEvent(new CustomEvent(PHASE_KNOWN, { detail: phase }));
 }
 

@@ -5,7 +5,7 @@ export const isStopKey = ({ key, repeat }: Pick<KeyboardEvent, "key" | "repeat">
   key === "Escape" && !repeat;
 
 /** Milliseconds between two looks for frames: one that navigates keeps its window, and forgets who listened. */
-const LOOK_PERIOD = 250;
+const CHECK_PERIOD = 250;
 
 /** Listens in that window before everybody who comes later. */
 function listen(target: Window, stop: () => void): void {
@@ -31,7 +31,7 @@ export function watchKey(stop: () => void): void {
       listen(contentWindow, stop);
     }
   };
-  setInterval(look, LOOK_PERIOD);
+  setInterval(look, CHECK_PERIOD);
   // A frame was loaded, or takes the focus.
   document.addEventListener("load", look, { capture: true });
   window.addEventListener("blur", look);

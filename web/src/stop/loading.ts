@@ -1,5 +1,5 @@
 /** Says so when the console could not be loaded; what it leaves in `#root` is replaced by the console itself. */
-const FAILED = "The console could not be loaded. STOP works all the same. Load the page again; if it stays so, the service's own log says more.";
+const FAILED = "The console could not be loaded. STOP still works. Reload the page; if it keeps failing, check the log of the service.";
 
 export function watchLoading(): void {
   const tell = (): void => {

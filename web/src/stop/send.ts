@@ -52,7 +52,7 @@ async function verdictOf(response: Response): Promise<Verdict> {
   const body: unknown = await response.json().catch(() => null);
   if (response.ok) {
     const accepted = typeof body === "object" && body !== null && Reflect.get(body, "accepted") === true;
-    return accepted ? STOPPED : unconfirmed("The answer is not the service's.");
+    return accepted ? STOPPED : unconfirmed("The answer did not come from the service.");
   }
   if (response.status >= 400 && response.status < 500) return refused(response.status, textOf(body, "detail"));
   return unconfirmed(`The service answered ${response.status}.`);

@@ -1,4 +1,4 @@
-/** The configuration in force and its schema, read anew whenever the mission says that they may have changed. */
+/** The configuration in force and its schema, read again whenever the mission says that they may have changed. */
 import { keepPreviousData, useQuery, useQueryClient } from "@tanstack/react-query";
 import { createContext, useContext, useEffect, useMemo } from "react";
 import { readConfiguration, readConfigurationSchema, readNamedConfigurations } from "../api/service";

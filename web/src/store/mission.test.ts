@@ -57,10 +57,10 @@ describe("trust in what is shown", () => {
     expect(store.read().trust).toBe("connecting");
     store.snapshot(snapshot(0));
     expect(store.read().trust).toBe("live");
-    for (clock.now = 100; clock.now <= 500; clock.now += 100) store.look();
+    for (clock.now = 100; clock.now <= 500; clock.now += 100) store.checkAge();
     expect(store.read().trust).toBe("live");
     clock.now = 760;
-    store.look();
+    store.checkAge();
     expect(store.read()).toMatchObject({ trust: "stale", age: 700 });
     store.snapshot(snapshot(700));
     expect(store.read()).toMatchObject({ trust: "live", age: 0 });
@@ -71,10 +71,10 @@ describe("trust in what is shown", () => {
     const store = storeAt(clock);
     store.snapshot(snapshot(0));
     clock.now = 2000;
-    store.look();
+    store.checkAge();
     expect(store.read().trust).toBe("live");
-    store.look();
-    store.look();
+    store.checkAge();
+    store.checkAge();
     expect(store.read().trust).toBe("stale");
   });
 
@@ -84,7 +84,7 @@ describe("trust in what is shown", () => {
     store.health(health("ok"), 0);
     for (clock.now = 3000; clock.now <= 3400; clock.now += 100) {
       store.snapshot(snapshot(clock.now - 2600)); // each is taken at once, and has been on its way for 2.6 s
-      store.look();
+      store.checkAge();
     }
     expect(store.read().trust).toBe("stale");
     expect(store.read().age).toBeGreaterThanOrEqual(2500);
@@ -106,7 +106,7 @@ describe("trust in what is shown", () => {
     store.link({ state: "stored" });
     store.snapshot(snapshot(0));
     clock.now = 3_600_000;
-    store.look();
+    store.checkAge();
     expect(store.read()).toMatchObject({ trust: "live", age: 0, robotAge: 0 });
     store.snapshot(snapshot(900));
     clock.now += 1;
@@ -155,13 +155,13 @@ describe("what the panels get", () => {
   it("tells whoever comes which run a restart of the service cut off, until it has been read", () => {
     const store = storeAt({ now: 0 });
     const cutOff = { run_id: "old", phase: "detumbling", time: 1.2 };
-    store.heard("one", 0, null);
+    store.hello("one", 0, null);
     expect(store.read().cutOff).toBeNull();
-    store.heard("two", 1, cutOff);
+    store.hello("two", 1, cutOff);
     store.snapshot({ ...snapshot(1), run_id: "new" });
     expect(store.read().cutOff).toEqual(cutOff);
     store.dismissCutOff();
-    store.heard("two", 2, cutOff); // connected again to the same service
+    store.hello("two", 2, cutOff); // connected again to the same service
     expect(store.read().cutOff).toBeNull();
   });
 

@@ -11,7 +11,7 @@ export const STALE_AFTER = 500;
 const PUBLISH_PERIOD = 60;
 const EVENTS_KEPT = 500;
 /** A browser that was itself held up has frames waiting; this many looks without one are silence. */
-const SILENT_LOOKS = 3;
+const SILENT_CHECKS = 3;
 
 /**
  * How much of what is on the screen may be trusted.
@@ -79,7 +79,7 @@ export class MissionStore implements Sink {
   private pending: Partial<MissionView> = {};
   private readonly clock = new ServiceClock();
   private publishedAt = -Infinity;
-  private silentLooks = 0;
+  private silentChecks = 0;
   private service = "";
   private readonly listeners = new Set<Listener>();
 
@@ -111,7 +111,7 @@ export class MissionStore implements Sink {
   snapshot(snapshot: MissionSnapshot): void {
     const now = this.now();
     this.clock.arrived(snapshot.service_time, now);
-    if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentLooks = 0;
+    if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentChecks = 0;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
     const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
@@ -131,7 +131,7 @@ export class MissionStore implements Sink {
     this.change({ ended: why }, true);
   }
 
-  heard(service: string, serviceTime: number, cutOff: CutOff | null): void {
+  hello(service: string, serviceTime: number, cutOff: CutOff | null): void {
     this.clock.arrived(serviceTime, this.now());
     if (service === this.service) return; // what was read once is not shown again at each connection
     this.service = service;
@@ -179,8 +179,8 @@ export class MissionStore implements Sink {
   };
 
   /** Looks at the clock: what is shown may have grown old without anything happening. Called every tenth of a second. */
-  readonly look = (): void => {
-    this.silentLooks += 1;
+  readonly checkAge = (): void => {
+    this.silentChecks += 1;
     this.publish();
   };
 
@@ -210,7 +210,7 @@ export class MissionStore implements Sink {
 
   private trustIn(view: MissionView, silence: number): Trust {
     if (view.link.state === "stored") return "live";
-    const silent = silence > STALE_AFTER && this.silentLooks >= SILENT_LOOKS;
+    const silent = silence > STALE_AFTER && this.silentChecks >= SILENT_CHECKS;
     if (view.link.state === "open" && view.snapshot !== null && !silent) return "live";
     if (view.health?.status === "preparing" && view.link.state !== "lost") return "preparing";
     return view.snapshot === null ? "connecting" : "stale";

@@ -5,7 +5,7 @@ import styles from "./Boundary.module.css";
 interface BoundaryProps {
   /** What may fail, as it is called on the page: "The runs page". */
   readonly what: string;
-  /** Makes it anew after a failure; if it is left out, what is within is drawn again. */
+  /** Recovers from a failure; without it, what is within is drawn again. */
   readonly onReload?: () => void;
   readonly children: ReactNode;
 }
@@ -36,7 +36,7 @@ export class Boundary extends Component<BoundaryProps, BoundaryState> {
     return (
       <section className={styles.failed} role="alert">
         <h2>{`${what} failed`}</h2>
-        <p>STOP works all the same.</p>
+        <p>STOP still works.</p>
         <p>{this.state.failure}</p>
         <button
           type="button"

@@ -6,16 +6,16 @@ interface ConfirmButtonProps {
   readonly label: string;
   readonly question: string;
   /** Why it may not be pressed; null if it may. */
-  readonly against: string | null;
+  readonly disabledReason: string | null;
   readonly onConfirm: () => void;
 }
 
-export function ConfirmButton({ label, question, against, onConfirm }: ConfirmButtonProps) {
+export function ConfirmButton({ label, question, disabledReason, onConfirm }: ConfirmButtonProps) {
   const [asking, setAsking] = useState(false);
   return (
     <Button
-      disabled={against !== null}
-      title={against ?? undefined}
+      disabled={disabledReason !== null}
+      title={disabledReason ?? undefined}
       onClick={() => {
         if (asking) onConfirm();
         else setAsking(true);

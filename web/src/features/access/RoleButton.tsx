@@ -12,6 +12,6 @@ interface RoleButtonProps extends ButtonProps {
 }
 
 export function RoleButton({ needs, disabled = false, ...button }: RoleButtonProps) {
-  const against = useReasonByRole(needs);
-  return <Button {...button} disabled={disabled || against !== null} title={against ?? undefined} />;
+  const disabledReason = useReasonByRole(needs);
+  return <Button {...button} disabled={disabled || disabledReason !== null} title={disabledReason ?? undefined} />;
 }

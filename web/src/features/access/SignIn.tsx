@@ -34,7 +34,7 @@ export function SignIn() {
       >
         <img src={addressOf("/favicon.svg")} alt="" width={40} height={40} />
         <h1>Becalm</h1>
-        <p>This console is reached from other machines: sign in with your access token.</p>
+        <p>This console is open to other machines: sign in with your access token.</p>
         <PasswordInput
           label="Access token"
           placeholder="becalm_…"
@@ -51,7 +51,7 @@ export function SignIn() {
           Sign in
         </Button>
         <p className={styles.hint}>
-          Whoever runs the service makes one with <code>becalm token create NAME --role operator</code>.
+          Whoever runs the service creates one with <code>becalm token create NAME --role operator</code>.
         </p>
       </form>
     </main>

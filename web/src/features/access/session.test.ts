@@ -12,7 +12,7 @@ describe("what a role may do", () => {
   });
 
   it("says which role is missing", () => {
-    expect(reasonByRole({ token_needed: true, name: "vic", role: "viewer" }, "operator")).toContain("takes the role operator");
+    expect(reasonByRole({ token_needed: true, name: "vic", role: "viewer" }, "operator")).toContain("requires the role operator");
     expect(reasonByRole({ token_needed: true, name: null, role: null }, "viewer")).toContain("not signed in");
   });
 });

@@ -5,7 +5,7 @@ import { readSession } from "../../api/service";
 import type { Role, Session } from "../../api/types";
 
 /** Milliseconds between two looks whether the token still holds. */
-const LOOK_PERIOD = 5000;
+const CHECK_PERIOD = 5000;
 
 const SESSION = ["session"];
 
@@ -25,7 +25,7 @@ export function useAccessState(): Access {
   const { data } = useQuery({
     queryKey: SESSION,
     queryFn: readSession,
-    refetchInterval: ({ state }) => (state.data?.token_needed === false ? false : LOOK_PERIOD),
+    refetchInterval: ({ state }) => (state.data?.token_needed === false ? false : CHECK_PERIOD),
     refetchIntervalInBackground: true,
   });
   return {
@@ -42,7 +42,7 @@ export const useAccess = (): Access => useContext(AccessContext);
 export function reasonByRole(session: Session | null, needed: Role): string | null {
   const role = session?.role ?? null;
   if (session?.token_needed === false || (role !== null && ORDER.indexOf(role) >= ORDER.indexOf(needed))) return null;
-  return role === null ? "You are not signed in." : `You are signed in as ${role}; this takes the role ${needed}.`;
+  return role === null ? "You are not signed in." : `You are signed in as ${role}; this requires the role ${needed}.`;
 }
 
 export const useReasonByRole = (needed: Role): string | null => reasonByRole(useAccess().session, needed);

@@ -1,14 +1,14 @@
 /** What the service said to the last command. */
-import { Icon, type Sign } from "../../ui/theme/Icon";
+import { Icon, type IconName } from "../../ui/theme/Icon";
 import { labelOf } from "./catalogue";
 import { useDeskView } from "./context";
 import type { Answer, Verdict } from "./desk";
 import styles from "./AnswerLine.module.css";
 
-const SIGNS: Readonly<Record<Verdict, Sign>> = { armed: "warning", waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
+const ICONS: Readonly<Record<Verdict, IconName>> = { armed: "warning", waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
 const WORDS: Readonly<Record<Verdict, string>> = {
   armed: "is armed",
-  waiting: "waiting for the loop",
+  waiting: "waiting for the answer",
   accepted: "accepted",
   refused: "refused",
   unknown: "no answer",
@@ -16,7 +16,7 @@ const WORDS: Readonly<Record<Verdict, string>> = {
 
 function sentence(answer: Answer): string {
   if (answer.verdict !== "unknown") return answer.words;
-  return `${answer.words} Whether it was done is not known; the phase shows it.`;
+  return `${answer.words} It is not known whether it was carried out; the phase shows it.`;
 }
 
 export function AnswerLine() {
@@ -27,7 +27,7 @@ export function AnswerLine() {
         <span className={styles.words}>No command yet.</span>
       ) : (
         <>
-          <Icon sign={SIGNS[answer.verdict]} />
+          <Icon icon={ICONS[answer.verdict]} />
           <p className={styles.words} title={`${sentence(answer)} ${answer.tip}`}>
             <strong>
               {labelOf(answer.order)} {WORDS[answer.verdict]}

@@ -4,27 +4,27 @@ import { useState, type SyntheticEvent } from "react";
 import type { CommandRequest } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
 import type { MissionView } from "../../store/mission";
-import { Icon, type Sign } from "../../ui/theme/Icon";
+import { Icon, type IconName } from "../../ui/theme/Icon";
 import { useReasonAgainstCommanding } from "../control/control";
 import type { CommandWords } from "./catalogue";
 import { useDesk, useDeskView } from "./context";
 import { isSame, type Caution } from "./desk";
-import { ARMED_LOOK, SecondsLeft } from "./SecondsLeft";
+import { ARMED_STYLE, SecondsLeft } from "./SecondsLeft";
 
 /** Why a command may not be given now; null if it may. */
 export function reasonAgainst(view: MissionView, command: string): string | null {
   if (view.trust === "preparing") return "The controller is still being compiled.";
-  if (view.trust !== "live" || view.snapshot === null) return "The data are old; commands wait for fresh ones.";
+  if (view.trust !== "live" || view.snapshot === null) return "The data are stale; commands are disabled until they are fresh.";
   return view.snapshot.commands[command] ?? null;
 }
 
 interface CommandButtonProps extends ButtonProps {
   readonly words: CommandWords;
-  readonly sign?: Sign;
+  readonly icon?: IconName;
   /** What goes along with the command. */
   readonly request?: Omit<CommandRequest, "command">;
   /** Why the page itself will not have it now. */
-  readonly against?: string | null;
+  readonly disabledReason?: string | null;
   /** What is lost if it is given; it then takes a second press. */
   readonly warning?: string | null;
 }
@@ -32,7 +32,7 @@ interface CommandButtonProps extends ButtonProps {
 /** What the second press will do, for what takes two; null for what takes one. */
 export function cautionOf(withRobot: string, byService: boolean, warning: string | null): Caution | null {
   if (!byService && warning === null) return null;
-  const sentences = [warning, byService ? withRobot : null, "Press again to go."];
+  const sentences = [warning, byService ? withRobot : null, "Press again to confirm."];
   return { words: sentences.filter((each) => each !== null).join(" "), byService };
 }
 
@@ -54,11 +54,11 @@ function tipPlaceOf(button: HTMLElement): TipPlace {
   return { position: "bottom", offset: panel.bottom - bottom + TIP_GAP };
 }
 
-export function CommandButton({ words, sign, request = {}, against = null, warning = null, ...button }: CommandButtonProps) {
+export function CommandButton({ words, icon, request = {}, disabledReason = null, warning = null, ...button }: CommandButtonProps) {
   const desk = useDesk();
   const byWho = useReasonAgainstCommanding();
   const byMission = useView((view) => reasonAgainst(view, words.command));
-  const reason = byWho ?? byMission ?? against;
+  const reason = byWho ?? byMission ?? disabledReason;
   const waiting = useDeskView((view) => view.waiting.has(words.command));
   const byService = useSnapshot((snapshot) => snapshot.arming_needed.includes(words.command)) ?? false;
   const asked: CommandRequest = { command: words.command, ...request };
@@ -75,8 +75,8 @@ export function CommandButton({ words, sign, request = {}, against = null, warni
     <Tooltip label={reason ?? words.does} {...tip} w={220} disabled={armed !== null}>
       <Button
         {...button}
-        {...(armed && ARMED_LOOK)}
-        leftSection={sign && <Icon sign={sign} />}
+        {...(armed && ARMED_STYLE)}
+        leftSection={icon && <Icon icon={icon} />}
         // Not `disabled`: it must keep the focus and be able to say why.
         data-disabled={reason !== null}
         aria-disabled={reason !== null}

@@ -28,7 +28,7 @@ function ResetRow() {
         data={name === "" ? [""] : configurations.map((configuration) => configuration.name)}
         onChange={setChosen}
       />
-      <CommandButton words={RESET} sign="reset" request={{ configuration: name }} warning={lost} />
+      <CommandButton words={RESET} icon="reset" request={{ configuration: name }} warning={lost} />
     </div>
   );
 }
@@ -65,7 +65,7 @@ export function CommandPanel() {
           </div>
           <ResetRow />
         </div>
-        {real ? <p className={styles.real}>A robot is flown, in real time. What moves it takes two presses: the first arms the command for a few seconds.</p> : <SimulationControls />}
+        {real ? <p className={styles.real}>A real robot, in real time. A command that moves it takes two presses: the first arms it for a few seconds.</p> : <SimulationControls />}
       </div>
       <AnswerLine />
     </Panel>

@@ -11,44 +11,44 @@ import { cautionOf, reasonAgainst } from "./CommandButton";
 import { useDesk, useDeskView } from "./context";
 import { isSame, type Answer } from "./desk";
 import styles from "./PrepareButton.module.css";
-import { ARMED_LOOK, SecondsLeft } from "./SecondsLeft";
+import { ARMED_STYLE, SecondsLeft } from "./SecondsLeft";
 
 interface PrepareButtonProps {
   readonly label: string;
   readonly request: CommandRequest;
   /** Why this cannot be asked for as it is; null if it can. */
-  readonly against?: string | null;
+  readonly disabledReason?: string | null;
 }
 
-function Said({ answer }: { readonly answer: Answer }) {
+function AnswerNote({ answer }: { readonly answer: Answer }) {
   if (answer.verdict === "accepted" || answer.verdict === "waiting") return null;
   return (
-    <p className={styles.said} role={answer.verdict === "armed" ? "status" : "alert"} data-verdict={answer.verdict}>
+    <p className={styles.note} role={answer.verdict === "armed" ? "status" : "alert"} data-verdict={answer.verdict}>
       {`${answer.words} ${answer.tip}`}
     </p>
   );
 }
 
-export function PrepareButton({ label, request, against = null }: PrepareButtonProps) {
+export function PrepareButton({ label, request, disabledReason = null }: PrepareButtonProps) {
   const desk = useDesk();
   const lost = useWhatIsLost();
   const byWho = useReasonAgainstCommanding();
   const byMission = useView((view) => reasonAgainst(view, request.command));
-  const reason = byWho ?? byMission ?? against;
+  const reason = byWho ?? byMission ?? disabledReason;
   const byService = useSnapshot((snapshot) => snapshot.arming_needed.includes(request.command)) ?? false;
   const waiting = useDeskView((view) => view.waiting.has(request.command));
   const armed = useDeskView((view) => (view.armed !== null && isSame(view.armed.request, request) ? view.armed : null));
   const [answer, setAnswer] = useState<Answer | null>(null);
   const press = async (): Promise<void> => {
-    const said = await desk.press(request, cautionOf(RESET.withRobot ?? "", byService, lost));
-    setAnswer(said);
-    if (said.verdict === "accepted") go("mission");
+    const answered = await desk.press(request, cautionOf(RESET.withRobot ?? "", byService, lost));
+    setAnswer(answered);
+    if (answered.verdict === "accepted") go("mission");
   };
   return (
     <>
       <Button
         variant="filled"
-        {...(armed && ARMED_LOOK)}
+        {...(armed && ARMED_STYLE)}
         disabled={reason !== null}
         title={reason ?? undefined}
         loading={waiting}
@@ -60,7 +60,7 @@ export function PrepareButton({ label, request, against = null }: PrepareButtonP
       >
         {armed === null ? label : <SecondsLeft until={armed.until} />}
       </Button>
-      {answer !== null && (answer.verdict !== "armed" || armed !== null) && <Said answer={answer} />}
+      {answer !== null && (answer.verdict !== "armed" || armed !== null) && <AnswerNote answer={answer} />}
     </>
   );
 }

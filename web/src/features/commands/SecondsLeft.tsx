@@ -2,7 +2,7 @@
 import { useClock } from "../../ui/use-clock";
 
 /** The look of every button whose next press goes. */
-export const ARMED_LOOK = { variant: "filled", color: "yellow", autoContrast: true, "data-armed": true } as const;
+export const ARMED_STYLE = { variant: "filled", color: "yellow", autoContrast: true, "data-armed": true } as const;
 
 const PERIOD = 200;
 

@@ -41,15 +41,15 @@ export function SimulationControls() {
   return (
     <div className={styles.simulation}>
       <h3>
-        Simulation <span>{untrusted === null && (running ? `runs at ${fixed(factor, 2)} ×` : "paused")}</span>
+        Simulation <span>{untrusted === null && (running ? `running at ${fixed(factor, 2)} ×` : "paused")}</span>
       </h3>
       {running ? (
-        <CommandButton words={PAUSE} sign="pause" />
+        <CommandButton words={PAUSE} icon="pause" />
       ) : (
-        <CommandButton words={RUN} sign="play" request={{ speed: Number(chosen ?? speed) }} />
+        <CommandButton words={RUN} icon="play" request={{ speed: Number(chosen ?? speed) }} />
       )}
       <Choice
-        aria-label="Speed of the simulation"
+        aria-label="Simulation speed"
         disabled={byWho !== null}
         title={byWho ?? undefined}
         value={chosen ?? String(speed)}
@@ -57,11 +57,11 @@ export function SimulationControls() {
         onChange={choose}
       />
       <div className={styles.steps}>
-        <CommandButton words={BACK} sign="back" request={{ tick: Math.max(1, tick + 1 - Number(ticks)) }} against={backRefusal(running, tick)} />
-        <CommandButton words={STEP} sign="step" request={{ ticks: Number(ticks) }} />
+        <CommandButton words={BACK} icon="back" request={{ tick: Math.max(1, tick + 1 - Number(ticks)) }} disabledReason={backRefusal(running, tick)} />
+        <CommandButton words={STEP} icon="step" request={{ ticks: Number(ticks) }} />
       </div>
       <Choice
-        aria-label="Ticks in one step"
+        aria-label="Ticks per step"
         value={ticks}
         data={TICKS.map((value) => ({ value, label: value === "1" ? "1 tick" : `${value} ticks` }))}
         onChange={setTicks}

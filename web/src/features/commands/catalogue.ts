@@ -17,8 +17,8 @@ export const CAPTURE: CommandWords = {
 
 export const SEQUENCE: readonly CommandWords[] = [
   { command: "detumble", label: "Detumble", does: "Touches the target until its spin is below the threshold, then holds." },
-  { command: "cage", label: "Cage", does: "Both hands enclose the target now, whatever its spin." },
-  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the published comparison." },
+  { command: "cage", label: "Cage", does: "Both hands enclose the target now, at any spin." },
+  { command: "direct_cage", label: "Direct caging", does: "Encloses the target without detumbling: the comparison of the paper." },
   { command: "hold", label: "Hold", does: "Holds all joints where they are." },
   { command: "release", label: "Release", does: "Both hands open and draw back." },
 ];
@@ -26,18 +26,18 @@ export const SEQUENCE: readonly CommandWords[] = [
 export const RESET: CommandWords = {
   command: "reset",
   label: "Reset",
-  does: "Ends this run and begins a new one from the start of the chosen configuration.",
-  withRobot: "The robot is taken for a new mission, as it stands.",
+  does: "Ends this run and starts a new one with the chosen configuration.",
+  withRobot: "A new mission takes over the robot in its current pose.",
 };
 
-export const PAUSE: CommandWords = { command: "pause", label: "Pause", does: "Mission time stands still." };
-export const RUN: CommandWords = { command: "run", label: "Run", does: "Mission time goes on at the chosen speed." };
+export const PAUSE: CommandWords = { command: "pause", label: "Pause", does: "Pauses mission time." };
+export const RUN: CommandWords = { command: "run", label: "Run", does: "Runs mission time at the chosen speed." };
 export const STEP: CommandWords = { command: "step", label: "Step", does: "Advances by this many control ticks, then waits." };
 
 export const BACK: CommandWords = {
   command: "fork",
   label: "Back",
-  does: "Takes a paused mission back by this many ticks and goes on from there as a new run; what was flown stays in the library.",
+  does: "Takes a paused mission back by this many ticks and continues from there as a new run; the old run stays in the library.",
 };
 
 const LABELS = new Map(

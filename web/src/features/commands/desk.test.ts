@@ -133,14 +133,14 @@ describe("a command that the service arms", () => {
     const desk = deskWith({ arm: () => Promise.resolve(arming) });
     const told = { command: "capture", by: "ana", expires_in: 5 } as const;
     await desk.arm({ command: "capture" }, ROBOT_MOVES);
-    desk.heed(null); // a snapshot from before it was armed
+    desk.followService(null); // a snapshot from before it was armed
     expect(desk.read().armed).not.toBeNull();
-    desk.heed(told);
+    desk.followService(told);
     expect(desk.read().armed).not.toBeNull();
-    desk.heed(null);
+    desk.followService(null);
     expect(desk.read().armed).toBeNull();
     await desk.arm({ command: "reset" }, MOVES);
-    desk.heed(null); // what only the page asks twice about is none of the service's
+    desk.followService(null); // what only the page asks twice about is none of the service's
     expect(desk.read().armed?.order).toBe("reset");
   });
 });

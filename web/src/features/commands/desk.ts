@@ -5,7 +5,7 @@ import type { Armed, Arming, ArmingRequest, Command, CommandAnswer, CommandReque
 
 export type Order = Command;
 
-/** `unknown`: no answer came, so whether it was done cannot be told. */
+/** `unknown`: no answer came, so nobody knows whether it was carried out. */
 export type Verdict = "armed" | "waiting" | "accepted" | "refused" | "unknown";
 
 /** `armed`: pressed once, of two times that it takes. */
@@ -66,8 +66,8 @@ export class CommandDesk {
   private view: DeskView = { waiting: new Set(), answer: null, armed: null };
   private readonly listeners = new Set<() => void>();
   private armedAt = 0;
-  /** Whether a snapshot has told of what the service armed; from then on it is armed for as long as they do. */
-  private told = false;
+  /** Whether a snapshot has shown what the service armed; from then on it is armed for as long as they do. */
+  private armedByService = false;
   private disarming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly service: Service = { send: sendCommand, arm: armCommand }) {}
@@ -125,11 +125,11 @@ export class CommandDesk {
   }
 
   /** Follows what the service says is armed: after a STOP or another phase, nothing is. */
-  heed(armed: Armed | null): void {
+  followService(armed: Armed | null): void {
     const own = this.view.armed;
     if (typeof own?.token !== "string") return;
-    if (armed?.command === own.order) this.told = true;
-    else if (this.told) this.disarm();
+    if (armed?.command === own.order) this.armedByService = true;
+    else if (this.armedByService) this.disarm();
   }
 
   /** Shows why a button that cannot be pressed cannot; for fingers, which do not hover. */
@@ -141,7 +141,7 @@ export class CommandDesk {
   private hold(request: CommandRequest, words: string, token: string | null, time: number): Answer {
     const answer: Answer = { order: request.command, verdict: "armed", words, tip: "" };
     this.armedAt = performance.now();
-    this.told = false;
+    this.armedByService = false;
     this.change({ armed: { order: request.command, request, token, until: this.armedAt + time }, answer });
     this.disarming = setTimeout(() => {
       this.disarm();

@@ -10,7 +10,7 @@ export function useDisarming(desk: CommandDesk): void {
     () =>
       store.subscribe(() => {
         const { snapshot } = store.read();
-        if (snapshot !== null) desk.heed(snapshot.armed);
+        if (snapshot !== null) desk.followService(snapshot.armed);
       }),
     [store, desk],
   );

@@ -25,7 +25,7 @@ describe("who is in control", () => {
   });
 
   it("comes after the role, which is the lasting reason", () => {
-    expect(reasonAgainst({ token_needed: true, name: "vic", role: "viewer" }, anas)).toContain("takes the role operator");
+    expect(reasonAgainst({ token_needed: true, name: "vic", role: "viewer" }, anas)).toContain("requires the role operator");
     expect(reasonAgainst({ token_needed: false, name: "operator", role: "admin" }, { ...anas, holder: "operator" })).toBeNull();
   });
 });

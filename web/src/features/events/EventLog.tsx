@@ -4,7 +4,7 @@ import { Panel } from "../../ui/Panel";
 import type { MissionEvent } from "../../api/types";
 import { useView } from "../../store/context";
 import { useAccess } from "../access/session";
-import { Icon, SEVERITY_SIGN } from "../../ui/theme/Icon";
+import { Icon, SEVERITY_ICON } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./EventLog.module.css";
 
@@ -22,7 +22,7 @@ function Entry({ event }: { readonly event: MissionEvent }) {
       </time>
       {event.severity !== "info" && (
         <>
-          <Icon sign={SEVERITY_SIGN[event.severity]} size={13} />
+          <Icon icon={SEVERITY_ICON[event.severity]} size={13} />
           <span className="visually-hidden">{event.severity}:</span>
         </>
       )}
@@ -61,7 +61,7 @@ export function EventLog() {
           {events.map((event) => (
             <Entry key={`${event.tick} ${event.kind} ${event.message} ${event.at}`} event={event} />
           ))}
-          {events.length === 0 && <li className={styles.none}>Nothing has happened yet.</li>}
+          {events.length === 0 && <li className={styles.none}>No events yet.</li>}
         </ol>
       </div>
     </Panel>

@@ -2,7 +2,7 @@
 import { Panel } from "../../ui/Panel";
 import { hashOf } from "../../store/route";
 import { useSnapshot } from "../../store/context";
-import { Icon, SEVERITY_SIGN } from "../../ui/theme/Icon";
+import { Icon, SEVERITY_ICON } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./ProblemList.module.css";
 
@@ -27,10 +27,10 @@ export function ProblemList() {
   return (
     <Panel title={titleOf(problems.length)} dated="service">
       <ul className={styles.list} aria-live="polite" tabIndex={0} aria-label="Problems">
-        {problems.length === 0 && <li className={styles.none}>None now.</li>}
+        {problems.length === 0 && <li className={styles.none}>None.</li>}
         {problems.map((problem) => (
           <li key={problem.title} className={styles.problem} data-severity={problem.severity}>
-            <Icon sign={SEVERITY_SIGN[problem.severity]} size={16} />
+            <Icon icon={SEVERITY_ICON[problem.severity]} size={16} />
             <div>
               <h3>
                 {problem.title} <span>since {clock(problem.since, 1)}</span>

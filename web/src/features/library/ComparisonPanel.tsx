@@ -40,7 +40,7 @@ export function ComparisonPanel({ end, one, other, align, onAlign }: ComparisonP
   const { parameters } = useConfiguration();
   const chosen = named(choices(one, other), parameters);
   return (
-    <Panel title="Two runs" aside={<a className={styles.end} href={end}>End comparison</a>}>
+    <Panel title="Comparison" aside={<a className={styles.end} href={end}>End comparison</a>}>
       <table className={styles.table}>
         <thead>
           <tr>
@@ -51,17 +51,17 @@ export function ComparisonPanel({ end, one, other, align, onAlign }: ComparisonP
             </th>
             <th scope="col">
               <svg width="18" height="8" aria-hidden="true"><line x1="0" y1="4" x2="18" y2="4" stroke="currentColor" strokeWidth="1" opacity="0.6" /></svg>
-              <a href={hashOf({ page: "runs", item: other.id, other: one.id })} title="Show that one with its scene">{`…${other.id.slice(-6)}`}</a>
+              <a href={hashOf({ page: "runs", item: other.id, other: one.id })} title="Open this run">{`…${other.id.slice(-6)}`}</a>
             </th>
           </tr>
         </thead>
-        <Lines lines={figures(one, other)} label="What came of it" />
-        <Lines lines={chosen} label={chosen.length === 0 ? "Nothing was chosen differently" : "What was chosen differently"} />
+        <Lines lines={figures(one, other)} label="Results" />
+        <Lines lines={chosen} label={chosen.length === 0 ? "No changed parameters" : "Changed parameters"} />
       </table>
       <div className={styles.align}>
-        <span>Both begin at</span>
+        <span>Align at</span>
         <SegmentedControl
-          aria-label="Where the two runs lie over one another"
+          aria-label="Alignment of the two runs"
           value={align}
           data={[
             { value: "motion", label: "first motion" },

@@ -5,7 +5,7 @@ import { EmptyPage } from "../../ui/EmptyPage";
 import { Panel } from "../../ui/Panel";
 import { Icon } from "../../ui/theme/Icon";
 import styles from "./LibraryPage.module.css";
-import { ask, isFiltered, PAGE_SIZE, queryOf, runHash, useQueryAddress, type LibraryQuery } from "./query";
+import { showQuery, isFiltered, PAGE_SIZE, queryOf, runHash, useQueryAddress, type LibraryQuery } from "./query";
 import { RunFilters } from "./RunFilters";
 import { RunList } from "./RunList";
 import { RunTable } from "./RunTable";
@@ -22,22 +22,22 @@ interface PagesProps {
 /** "1–50 of 213", and the pages before and after. */
 function Pages({ library: { runs, total, read }, query, item, other }: PagesProps) {
   const first = (query.page - 1) * PAGE_SIZE;
-  const turn = (label: string, sign: "back" | "step", by: number, possible: boolean) => (
-    <ActionIcon size="sm" aria-label={label} title={label} disabled={!possible} onClick={() => { ask({ ...query, page: query.page + by }, item, other); }}>
-      <Icon sign={sign} size={12} />
+  const turn = (label: string, icon: "back" | "step", by: number, possible: boolean) => (
+    <ActionIcon size="sm" aria-label={label} title={label} disabled={!possible} onClick={() => { showQuery({ ...query, page: query.page + by }, item, other); }}>
+      <Icon icon={icon} size={12} />
     </ActionIcon>
   );
   return (
     <span className={styles.pages}>
       <span role="status">{!read ? "" : runs.length === 0 ? `none of ${total}` : `${first + 1}–${first + runs.length} of ${total}`}</span>
-      {turn("The page before", "back", -1, query.page > 1)}
-      {turn("The next page", "step", 1, first + runs.length < total)}
+      {turn("Previous page", "back", -1, query.page > 1)}
+      {turn("Next page", "step", 1, first + runs.length < total)}
     </span>
   );
 }
 
 function Nothing({ query }: { readonly query: LibraryQuery }) {
-  const words = isFiltered(query) || query.page > 1 ? "No run matches." : "No run has been recorded yet. A capture, here or over REST, makes one.";
+  const words = isFiltered(query) || query.page > 1 ? "No matching runs." : "No runs yet. Start a capture here or over REST.";
   return <p className={styles.hint}>{words}</p>;
 }
 
@@ -61,7 +61,7 @@ export function LibraryPage({ item, other, shown }: { readonly item: string; rea
   const query = useMemo(() => queryOf(address), [address]);
   const library = useLibrary(shown, query);
   const { run, refusal: missing } = useRun(shown ? item : "");
-  const { run: compared, refusal: unlike } = useRun(shown ? other : "");
+  const { run: compared, refusal: otherRefusal } = useRun(shown ? other : "");
   return (
     <main className={styles.page} hidden={!shown} data-open={item === "" ? undefined : true}>
       <div className={styles.found}>
@@ -73,9 +73,9 @@ export function LibraryPage({ item, other, shown }: { readonly item: string; rea
             All runs
           </a>
           {run === null ? (
-            <EmptyPage label="No run chosen" title={missing?.message ?? "Reading the run"} words={missing?.tip ?? ""} />
+            <EmptyPage label="No run selected" title={missing?.message ?? "Loading the run"} words={missing?.tip ?? ""} />
           ) : (
-            <RunView key={run.id} run={run} other={compared} missing={unlike} query={query} />
+            <RunView key={run.id} run={run} other={compared} missing={otherRefusal} query={query} />
           )}
         </div>
       )}

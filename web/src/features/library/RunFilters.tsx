@@ -2,11 +2,11 @@
 import { Button, Switch, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { Icon } from "../../ui/theme/Icon";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import { Choice } from "../../ui/Choice";
-import { ask, isFiltered, KINDS, NO_WISH, STATUSES, VERDICTS, type LibraryQuery } from "./query";
+import { showQuery, isFiltered, KINDS, DEFAULT_QUERY, STATUSES, VERDICTS, type LibraryQuery } from "./query";
 import styles from "./LibraryPage.module.css";
-import { STATUS_CHOICES } from "./words";
+import { STATUS_CHOICES } from "./labels";
 
 /** Milliseconds after the last key of a search. */
 const TYPING_PAUSE = 250;
@@ -23,7 +23,7 @@ const choices = <Value extends string>(all: string, values: readonly Value[], wo
 ];
 
 const spelled = (value: string): string => value.replaceAll("_", " ");
-const verdict = (value: string): string => lookOf(value).words;
+const verdict = (value: string): string => classStyle(value).words;
 
 /** The search asks when nobody types any more; what the address says meanwhile is what was typed before. */
 function Search({ query, item, other }: FilterProps) {
@@ -31,7 +31,7 @@ function Search({ query, item, other }: FilterProps) {
   useEffect(() => {
     if (typed === null) return undefined;
     const timer = setTimeout(() => {
-      ask({ ...query, text: typed, page: 1 }, item, other);
+      showQuery({ ...query, text: typed, page: 1 }, item, other);
       setTyped(null);
     }, TYPING_PAUSE);
     return () => {
@@ -42,7 +42,7 @@ function Search({ query, item, other }: FilterProps) {
     <TextInput
       aria-label="Search runs"
       placeholder="Name, tag, note, configuration, changed parameter"
-      leftSection={<Icon sign="search" />}
+      leftSection={<Icon icon="search" />}
       value={typed ?? query.text}
       onChange={(event) => {
         setTyped(event.currentTarget.value);
@@ -52,28 +52,28 @@ function Search({ query, item, other }: FilterProps) {
 }
 
 export function RunFilters({ query, item, other }: FilterProps) {
-  const wish = (change: Partial<LibraryQuery>): void => {
-    ask({ ...query, ...change, page: 1 }, item, other);
+  const change = (change: Partial<LibraryQuery>): void => {
+    showQuery({ ...query, ...change, page: 1 }, item, other);
   };
   const choice = (name: "kind" | "status" | "outcome" | "at_first_closure", label: string, data: { value: string; label: string }[]) => (
-    <Choice aria-label={label} value={query[name]} data={data} onChange={(value) => { wish({ [name]: value }); }} />
+    <Choice aria-label={label} value={query[name]} data={data} onChange={(value) => { change({ [name]: value }); }} />
   );
   return (
     <div className={styles.filters} role="search">
       <Search query={query} item={item} other={other} />
-      {choice("kind", "Kind", choices("Every kind", KINDS, spelled))}
-      {choice("status", "Status", choices("Every status", STATUSES, (value) => STATUS_CHOICES[value]))}
-      {choice("outcome", "Verdict", choices("Every verdict", VERDICTS, verdict))}
-      {choice("at_first_closure", "Paper's verdict", choices("Paper's verdict: every", VERDICTS, (value) => `Paper's: ${verdict(value)}`))}
-      <Switch size="xs" label="Starred only" checked={query.starred} onChange={(event) => { wish({ starred: event.currentTarget.checked }); }} />
+      {choice("kind", "Kind", choices("All kinds", KINDS, spelled))}
+      {choice("status", "Status", choices("All statuses", STATUSES, (value) => STATUS_CHOICES[value]))}
+      {choice("outcome", "Verdict", choices("All verdicts", VERDICTS, verdict))}
+      {choice("at_first_closure", "Paper's verdict", choices("Paper's verdict: all", VERDICTS, (value) => `Paper's: ${verdict(value)}`))}
+      <Switch size="xs" label="Starred only" checked={query.starred} onChange={(event) => { change({ starred: event.currentTarget.checked }); }} />
       {query.tag !== "" && (
-        <Button size="compact-xs" aria-label={`Any tag, not only ${query.tag}`} onClick={() => { wish({ tag: "" }); }}>
+        <Button size="compact-xs" aria-label={`Remove the filter by tag ${query.tag}`} onClick={() => { change({ tag: "" }); }}>
           {`Tag: ${query.tag} ×`}
         </Button>
       )}
       {isFiltered(query) && (
-        <Button size="compact-xs" onClick={() => { wish({ ...NO_WISH, sort: query.sort, descending: query.descending }); }}>
-          Show all
+        <Button size="compact-xs" onClick={() => { change({ ...DEFAULT_QUERY, sort: query.sort, descending: query.descending }); }}>
+          Clear filters
         </Button>
       )}
     </div>

@@ -4,7 +4,7 @@ import { fixed } from "../../units/units";
 import { runHash, type LibraryQuery } from "./query";
 import styles from "./LibraryPage.module.css";
 import { VerdictMark, verdictWords } from "./Verdict";
-import { changesTitle, changeWords, configurationWords, momentWords } from "./words";
+import { changesTitle, changeWords, configurationWords, momentWords } from "./labels";
 
 interface ItemProps {
   readonly run: RunSummary;
@@ -16,10 +16,10 @@ interface ItemProps {
 }
 
 /** Puts a run beside the one that is open, or takes it away again. */
-function Against({ run, query, open, other }: ItemProps) {
+function Compare({ run, query, open, other }: ItemProps) {
   const compared = run.id === other;
   return (
-    <a className={styles.against} href={runHash(query, open, compared ? "" : run.id)} aria-current={compared ? "true" : undefined}>
+    <a className={styles.compare} href={runHash(query, open, compared ? "" : run.id)} aria-current={compared ? "true" : undefined}>
       {compared ? "Compared" : "Compare"}
     </a>
   );
@@ -40,7 +40,7 @@ function Item({ run, query, open, other }: ItemProps) {
         </span>
         <span className={styles.peak}>{run.outcome === null ? "" : `${fixed(run.outcome.peak_tip_force, 2)} N`}</span>
       </a>
-      {run.id !== open && run.ticks > 0 && <Against run={run} query={query} open={open} other={other} />}
+      {run.id !== open && run.ticks > 0 && <Compare run={run} query={query} open={open} other={other} />}
     </li>
   );
 }

@@ -3,12 +3,12 @@ import { Tooltip } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { RunSummary } from "../../api/types";
 import { meaningOf } from "../glossary/glossary";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import { duration, fixed, MILLIMETRES } from "../../units/units";
-import { ask, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
+import { showQuery, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
 import styles from "./RunTable.module.css";
 import { VerdictMark, verdictWords } from "./Verdict";
-import { changesTitle, changeWords, configurationWords, momentWords } from "./words";
+import { changesTitle, changeWords, configurationWords, momentWords } from "./labels";
 
 interface Column {
   readonly key: SortKey;
@@ -26,7 +26,7 @@ function Tags({ run, query }: { readonly run: RunSummary; readonly query: Librar
   return (
     <>
       {run.tags.map((tag) => (
-        <a key={tag} className={styles.tag} href={runHash({ ...query, tag, page: 1 })} title={`Only runs with the tag ${tag}`}>
+        <a key={tag} className={styles.tag} href={runHash({ ...query, tag, page: 1 })} title={`Show only runs tagged ${tag}`}>
           {tag}
         </a>
       ))}
@@ -45,7 +45,7 @@ const COLUMNS: readonly Column[] = [
   {
     key: "started",
     label: "Started",
-    title: "When the run began",
+    title: "When the run started",
     cell: (run, query) => (
       <a href={runHash(query, run.id)} title={run.id}>
         {run.starred && <span aria-label="starred">★ </span>}
@@ -56,7 +56,7 @@ const COLUMNS: readonly Column[] = [
   {
     key: "name",
     label: "Name, tags",
-    title: "What people call the run, and what it is grouped by",
+    title: "Name and tags of the run",
     cell: (run, query) => (
       <span className={styles.called}>
         {run.name !== "" && <a href={runHash(query, run.id)}>{run.name}</a>}
@@ -64,9 +64,9 @@ const COLUMNS: readonly Column[] = [
       </span>
     ),
   },
-  { key: "kind", label: "Kind", title: "Live, scripted, of a study, or a fork", cell: ({ kind }) => kind },
-  { key: "configuration", label: "Configuration", title: "The named configuration that it began as", cell: configurationWords },
-  { key: "changes", label: "Changed", title: "Parameters that are not as the named configuration has them", cell: (run) => <Changes run={run} /> },
+  { key: "kind", label: "Kind", title: "Live, scripted, from a study, or a fork", cell: ({ kind }) => kind },
+  { key: "configuration", label: "Configuration", title: "The named configuration at its start", cell: configurationWords },
+  { key: "changes", label: "Changed", title: "Parameters that differ from the named configuration", cell: (run) => <Changes run={run} /> },
   { key: "seed", label: "Seed", title: "simulation.seed", number: true, cell: ({ seed }) => seed },
   { key: "initial_spin", label: "Spin, rad/s", title: "Of the target at the start, as configured", number: true, cell: (run) => figure(run.initial_spin, 2) },
   { key: "peak_tip_force", label: "Peak, N", title: meaningOf("peak_tip_force") ?? "", number: true, cell: ({ outcome }) => figure(outcome?.peak_tip_force, 3) },
@@ -77,7 +77,7 @@ const COLUMNS: readonly Column[] = [
     number: true,
     cell: ({ outcome }) => figure(outcome?.cage_margin, 1, MILLIMETRES.factor),
   },
-  { key: "duration", label: "Length", title: "Mission time recorded", number: true, cell: (run) => duration(run.duration) },
+  { key: "duration", label: "Duration", title: "Mission time recorded", number: true, cell: (run) => duration(run.duration) },
   {
     key: "outcome",
     label: "Verdict",
@@ -92,7 +92,7 @@ const COLUMNS: readonly Column[] = [
     key: "at_first_closure",
     label: "Paper's verdict",
     title: meaningOf("at_first_closure") ?? "",
-    cell: ({ outcome }) => (outcome === null ? "" : lookOf(outcome.at_first_closure).words),
+    cell: ({ outcome }) => (outcome === null ? "" : classStyle(outcome.at_first_closure).words),
   },
 ];
 
@@ -104,7 +104,7 @@ function Head({ column, query }: { readonly column: Column; readonly query: Libr
         <button
           type="button"
           onClick={() => {
-            ask(sortedBy(query, column.key));
+            showQuery(sortedBy(query, column.key));
           }}
         >
           {column.label}

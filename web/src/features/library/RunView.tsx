@@ -6,7 +6,7 @@ import { DownloadLink } from "../../ui/DownloadLink";
 import { Facts, type Fact } from "../../ui/Facts";
 import { Panel } from "../../ui/Panel";
 import { hashOf } from "../../store/route";
-import { useDoing, type Doing } from "../../api/use-doing";
+import { useAction, type RunAction } from "../../api/use-action";
 import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
 import type { Run } from "../../api/types";
@@ -27,10 +27,10 @@ import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
 import { ComparisonPanel } from "./ComparisonPanel";
 import styles from "./LibraryPage.module.css";
-import { ask, runHash, type LibraryQuery } from "./query";
+import { showQuery, runHash, type LibraryQuery } from "./query";
 import { useReadAgain, useStored } from "./use-library";
 import { verdictWords } from "./Verdict";
-import { changeWords, configurationWords, damageWords, statusWords } from "./words";
+import { changeWords, configurationWords, damageWords, statusWords } from "./labels";
 
 /** What became of it, at the top of the page: what stands below may be out of sight. */
 const endingOf = (run: Run): string => (run.outcome === null ? statusWords(run) : `${statusWords(run)}: ${verdictWords(run)}`);
@@ -41,26 +41,26 @@ const LOGS = [
   ["csv", "CSV"],
 ] as const;
 
-function Head({ run, query, doing }: { readonly run: Run; readonly query: LibraryQuery; readonly doing: Doing }) {
-  const againstDeleting = useReasonByRole("admin");
-  const againstRemarks = useReasonByRole("operator");
-  const star = () => doing(() => remarkRun(run.id, { starred: !run.starred }));
+function Head({ run, query, runAction }: { readonly run: Run; readonly query: LibraryQuery; readonly runAction: RunAction }) {
+  const deletingDisabledReason = useReasonByRole("admin");
+  const editingDisabledReason = useReasonByRole("operator");
+  const star = () => runAction(() => remarkRun(run.id, { starred: !run.starred }));
   const remove = () =>
-    doing(async () => {
+    runAction(async () => {
       await deleteRun(run.id);
-      ask(query);
+      showQuery(query);
     });
   return (
     <header className={styles.head}>
-      <ActionIcon aria-label={run.starred ? "Take the star away" : "Star this run"} aria-pressed={run.starred} disabled={againstRemarks !== null} title={againstRemarks ?? undefined} onClick={() => void star()}>
+      <ActionIcon aria-label={run.starred ? "Unstar" : "Star this run"} aria-pressed={run.starred} disabled={editingDisabledReason !== null} title={editingDisabledReason ?? undefined} onClick={() => void star()}>
         {run.starred ? "★" : "☆"}
       </ActionIcon>
       <h2>{run.name === "" ? run.id : run.name}</h2>
       <span role="status">{isUnderWay(run) ? `${run.status}, ${duration(run.duration)} of mission time` : endingOf(run)}</span>
       <span className={styles.spring} />
       {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
-      {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void doing(() => cancelRun(run.id))}>Cancel</RoleButton>}
-      {!isUnderWay(run) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void remove()} />}
+      {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void runAction(() => cancelRun(run.id))}>Cancel</RoleButton>}
+      {!isUnderWay(run) && <ConfirmButton label="Delete" question="Delete permanently?" disabledReason={deletingDisabledReason} onConfirm={() => void remove()} />}
     </header>
   );
 }
@@ -69,7 +69,7 @@ function RunFacts({ run }: { readonly run: Run }) {
   const facts: readonly Fact[] = [
     ["Run", run.id],
     ["Configuration", configurationWords(run)],
-    ["Changed", run.changes.length === 0 ? "nothing" : run.changes.map(changeWords).join("\n")],
+    ["Changed", run.changes.length === 0 ? "none" : run.changes.map(changeWords).join("\n")],
     ["Impedance m, d, k", Object.values(run.config.control.impedance).map(plain).join(", ")],
     ["Seed", String(run.seed)],
     ["Recorded", `${run.ticks} ticks, ${fixed(run.size_bytes / 1e6, 1)} MB`],
@@ -81,7 +81,7 @@ function RunFacts({ run }: { readonly run: Run }) {
       <Facts facts={facts} />
       {run.parent !== null && (
         <div>
-          <dt>Comes from</dt>
+          <dt>Parent</dt>
           <dd>
             <a href={hashOf({ page: run.kind === "study" ? "studies" : "runs", item: run.parent })}>{run.parent}</a>
           </dd>
@@ -89,7 +89,7 @@ function RunFacts({ run }: { readonly run: Run }) {
       )}
       {run.note !== null && (
         <div>
-          <dt>Note of the service</dt>
+          <dt>Service note</dt>
           <dd>{run.note}</dd>
         </div>
       )}
@@ -113,7 +113,7 @@ function Damage({ events }: { readonly events: number | null }) {
   );
 }
 
-const NO_MOMENT = "There is no such moment in this run.";
+const NO_MOMENT = "The run has no such moment.";
 
 /** Makes a moment of this run the live mission, paused, as a run of its own. */
 function Fork({ run, playback }: { readonly run: Run; readonly playback: Playback }) {
@@ -125,11 +125,11 @@ function Fork({ run, playback }: { readonly run: Run; readonly playback: Playbac
   const sound = moment !== null && moment > 0 && moment <= run.duration;
   const tick = Math.max(1, Math.round((moment ?? 0) / run.config.control.period));
   return (
-    <Panel title="Go on from a moment">
+    <Panel title="Fork from a moment">
       <div className={styles.writing}>
-        <p className={styles.why}>Puts the mission where this run was, paused: change parameters, then run. It becomes a run of its own.</p>
+        <p className={styles.why}>Puts the live mission at this moment of the run, paused: change parameters, then run. It becomes a new run.</p>
         <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTyped(event.currentTarget.value); }} />
-        <PrepareButton label="Fork there" request={{ command: "fork", run: run.id, tick }} against={sound ? null : NO_MOMENT} />
+        <PrepareButton label="Fork here" request={{ command: "fork", run: run.id, tick }} disabledReason={sound ? null : NO_MOMENT} />
       </div>
     </Panel>
   );
@@ -149,16 +149,16 @@ const never = (): (() => void) => () => undefined;
 /** The moment that a playback shows; null without one. */
 const useMoment = (playback: Playback | null): number | null => useSyncExternalStore(playback?.subscribe ?? never, () => playback?.read().time ?? null);
 
-function Notes({ run, doing, playback }: { readonly run: Run; readonly doing: Doing; readonly playback: Playback | null }) {
+function Notes({ run, runAction, playback }: { readonly run: Run; readonly runAction: RunAction; readonly playback: Playback | null }) {
   const [text, setText] = useState("");
   const [atMoment, setAtMoment] = useState(false);
   const time = useMoment(playback);
   const add = () =>
-    doing(async () => {
+    runAction(async () => {
       await remarkRun(run.id, { notes: [...run.notes, { text: text.trim(), ...(atMoment && time !== null ? { time } : {}) }] as NonNullable<Parameters<typeof remarkRun>[1]["notes"]> });
       setText("");
     });
-  const remove = (place: number) => doing(() => remarkRun(run.id, { notes: run.notes.filter((_, at) => at !== place) }));
+  const remove = (place: number) => runAction(() => remarkRun(run.id, { notes: run.notes.filter((_, at) => at !== place) }));
   return (
     <Panel title="Notes">
       <ul className={styles.notes}>
@@ -175,7 +175,7 @@ function Notes({ run, doing, playback }: { readonly run: Run; readonly doing: Do
       </ul>
       <div className={styles.writing}>
         <Textarea aria-label="A note on this run" placeholder="What is worth knowing about this run" size="xs" rows={2} value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
-        {time !== null && <Checkbox size="xs" label={`At the moment shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />}
+        {time !== null && <Checkbox size="xs" label={`At the time shown, ${clock(time)}`} checked={atMoment} onChange={(event) => { setAtMoment(event.currentTarget.checked); }} />}
         <RoleButton needs="operator" disabled={text.trim() === ""} onClick={() => void add()}>
           Add note
         </RoleButton>
@@ -187,12 +187,12 @@ function Notes({ run, doing, playback }: { readonly run: Run; readonly doing: Do
 /** Tags as a person types them, with commas between. */
 const tagsOf = (typed: string): string[] => typed.split(",").map((tag) => tag.trim()).filter((tag) => tag !== "");
 
-function NameAndTags({ run, doing }: { readonly run: Run; readonly doing: Doing }) {
+function NameAndTags({ run, runAction }: { readonly run: Run; readonly runAction: RunAction }) {
   const [name, setName] = useState<string | null>(null);
   const [tags, setTags] = useState<string | null>(null);
-  const against = useReasonByRole("operator");
+  const disabledReason = useReasonByRole("operator");
   const keep = () =>
-    doing(async () => {
+    runAction(async () => {
       await remarkRun(run.id, { ...(name !== null && { name }), ...(tags !== null && { tags: tagsOf(tags) }) });
       setName(null);
       setTags(null);
@@ -205,12 +205,12 @@ function NameAndTags({ run, doing }: { readonly run: Run; readonly doing: Doing 
   return (
     <Panel title="Name and tags">
       <div className={styles.writing}>
-        <TextInput aria-label="Name of this run" placeholder="A name to know it by" maxLength={100} disabled={against !== null} value={name ?? run.name} onChange={(event) => { setName(event.currentTarget.value); }} />
-        <TextInput aria-label="Tags of this run" placeholder="Tags, with commas between" disabled={against !== null} value={tags ?? run.tags.join(", ")} onChange={(event) => { setTags(event.currentTarget.value); }} />
+        <TextInput aria-label="Name of this run" placeholder="Name" maxLength={100} disabled={disabledReason !== null} value={name ?? run.name} onChange={(event) => { setName(event.currentTarget.value); }} />
+        <TextInput aria-label="Tags of this run" placeholder="Tags, separated by commas" disabled={disabledReason !== null} value={tags ?? run.tags.join(", ")} onChange={(event) => { setTags(event.currentTarget.value); }} />
         {edited && (
           <div className={styles.keep}>
-            <Button onClick={() => void keep()}>Keep</Button>
-            <Button variant="subtle" onClick={forget}>As it was</Button>
+            <Button onClick={() => void keep()}>Save</Button>
+            <Button variant="subtle" onClick={forget}>Cancel</Button>
           </div>
         )}
       </div>
@@ -257,13 +257,13 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
   const store = useStored(run);
   const compared = useStored(other, WITHOUT_REPLAY);
   const [align, setAlign] = useState<Alignment>("motion");
-  const { doing: asked, refusal } = useDoing();
+  const { runAction: asked, refusal } = useAction();
   const readAgain = useReadAgain();
-  const doing: Doing = (work) => asked(() => work().then(readAgain));
+  const runAction: RunAction = (work) => asked(() => work().then(readAgain));
   const playback = store?.source.playback ?? null;
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
-      <Head run={run} query={query} doing={doing} />
+      <Head run={run} query={query} runAction={runAction} />
       {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
       <Damage events={run.damaged_events} />
       <div className={styles.columns}>
@@ -271,14 +271,14 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
         <div className={styles.side}>
           {missing !== null && <p className={styles.refusal} role="alert">{`${missing.message} ${missing.tip}`}</p>}
           {other !== null && <ComparisonPanel end={runHash(query, run.id)} one={run} other={other} align={align} onAlign={setAlign} />}
-          <Panel title={run.outcome === null ? "About this run" : "How it ended"}>
+          <Panel title={run.outcome === null ? "About this run" : "Outcome"}>
             {run.outcome !== null && <Ending outcome={run.outcome} />}
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <RunFacts run={run} />
           </Panel>
           {playback !== null && !isUnderWay(run) && <Fork run={run} playback={playback} />}
-          <NameAndTags run={run} doing={doing} />
-          <Notes run={run} doing={doing} playback={playback} />
+          <NameAndTags run={run} runAction={runAction} />
+          <Notes run={run} runAction={runAction} playback={playback} />
         </div>
       </div>
     </section>

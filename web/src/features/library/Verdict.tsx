@@ -1,17 +1,17 @@
-/** How a run ended, by its verdict; what it is doing, without one. */
+/** How a run ended, by its verdict; what it is runAction, without one. */
 import type { RunSummary } from "../../api/types";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import styles from "./RunTable.module.css";
-import { statusWords } from "./words";
+import { statusWords } from "./labels";
 
 /** The mark alone, where words stand beside it. */
 export function VerdictMark({ run }: { readonly run: RunSummary }) {
-  const look = run.outcome === null ? null : lookOf(run.outcome.outcome);
+  const style = run.outcome === null ? null : classStyle(run.outcome.outcome);
   return (
-    <span className={styles.mark} style={look === null ? undefined : { background: look.colour }} aria-hidden="true">
-      {look?.letter ?? "\u00a0"}
+    <span className={styles.mark} style={style === null ? undefined : { background: style.colour }} aria-hidden="true">
+      {style?.letter ?? "\u00a0"}
     </span>
   );
 }
 
-export const verdictWords = (run: RunSummary): string => (run.outcome === null ? statusWords(run) : lookOf(run.outcome.outcome).words);
+export const verdictWords = (run: RunSummary): string => (run.outcome === null ? statusWords(run) : classStyle(run.outcome.outcome).words);

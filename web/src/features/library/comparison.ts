@@ -1,6 +1,6 @@
 /** How two runs differ: pure functions from two runs to the lines of a table. */
 import type { Outcome, Parameter, Run } from "../../api/types";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import { clock, duration, fixed, MILLIMETRES, plain, shown } from "../../units/units";
 
 export interface Line {
@@ -14,15 +14,15 @@ export interface Line {
 const ofOutcome = (run: Run, read: (outcome: Outcome) => string): string => (run.outcome === null ? "—" : read(run.outcome));
 
 const FIGURES: readonly (readonly [string, (run: Run) => string])[] = [
-  ["Verdict", (run) => ofOutcome(run, (outcome) => lookOf(outcome.outcome).words)],
-  ["Paper's verdict (at first closure)", (run) => ofOutcome(run, (outcome) => lookOf(outcome.at_first_closure).words)],
+  ["Verdict", (run) => ofOutcome(run, (outcome) => classStyle(outcome.outcome).words)],
+  ["Paper's verdict (at first closure)", (run) => ofOutcome(run, (outcome) => classStyle(outcome.at_first_closure).words)],
   ["Touches", (run) => ofOutcome(run, (outcome) => String(outcome.contacts.length))],
   ["Closed at", (run) => ofOutcome(run, ({ closed_at: at }) => (at === null ? "never" : clock(at, 2)))],
   ["Peak to closure, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force_to_closure, 3))],
   ["Peak to locked arms, N", (run) => ofOutcome(run, (outcome) => fixed(outcome.peak_tip_force, 3))],
   ["Cage margin, mm", (run) => ofOutcome(run, ({ cage_margin: margin }) => (margin === null ? "none" : fixed(margin * MILLIMETRES.factor, 1)))],
   ["Final spin, rad/s", (run) => ofOutcome(run, (outcome) => fixed(outcome.final_target_spin, 3))],
-  ["Length", (run) => duration(run.duration, 2)],
+  ["Duration", (run) => duration(run.duration, 2)],
 ];
 
 /** What came of both. */
@@ -34,7 +34,7 @@ function leaves(branch: unknown, path: string): [string, string][] {
   return Object.entries(branch).flatMap(([name, value]) => leaves(value, path === "" ? name : `${path}.${name}`));
 }
 
-/** What was chosen differently, by full path. */
+/** Changed parameters, by full path. */
 export function choices(one: Run, other: Run): Line[] {
   const others = new Map(leaves(other.config, ""));
   return leaves(one.config, "").flatMap(([name, value]) => {

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { addressOfQuery, isFiltered, NO_WISH, queryOf, requestOf, runHash, sortedBy } from "./query";
+import { addressOfQuery, isFiltered, DEFAULT_QUERY, queryOf, requestOf, runHash, sortedBy } from "./query";
 
 describe("what the library is asked for", () => {
   it("is kept whole by the address, and nothing is the empty one", () => {
     const query = {
-      ...NO_WISH,
+      ...DEFAULT_QUERY,
       text: "damping 3 & more",
       outcome: "base_collision",
       at_first_closure: "caged_force_reduced",
@@ -14,8 +14,8 @@ describe("what the library is asked for", () => {
       page: 4,
     } as const;
     expect(queryOf(addressOfQuery(query))).toEqual(query);
-    expect(addressOfQuery(NO_WISH)).toBe("");
-    expect(queryOf("")).toEqual(NO_WISH);
+    expect(addressOfQuery(DEFAULT_QUERY)).toBe("");
+    expect(queryOf("")).toEqual(DEFAULT_QUERY);
     expect(runHash(query, "a/b")).toMatch(/^#\/runs\/a%2Fb\?text=damping/);
   });
 
@@ -24,18 +24,18 @@ describe("what the library is asked for", () => {
   });
 
   it("is asked of the service page by page", () => {
-    expect(requestOf({ ...NO_WISH, page: 3, text: "  " })).toEqual({ sort: "-started", limit: 50, offset: 100 });
+    expect(requestOf({ ...DEFAULT_QUERY, page: 3, text: "  " })).toEqual({ sort: "-started", limit: 50, offset: 100 });
   });
 
   it("is ordered the other way round by a second press, from its first page", () => {
-    const once = sortedBy({ ...NO_WISH, page: 2 }, "peak_tip_force");
+    const once = sortedBy({ ...DEFAULT_QUERY, page: 2 }, "peak_tip_force");
     expect(once).toMatchObject({ sort: "peak_tip_force", descending: true, page: 1 });
     expect(sortedBy(once, "peak_tip_force").descending).toBe(false);
     expect(sortedBy(once, "name").descending).toBe(false);
   });
 
   it("is a filter only if it leaves something out", () => {
-    expect(isFiltered({ ...NO_WISH, sort: "seed", page: 2 })).toBe(false);
-    expect(isFiltered({ ...NO_WISH, tag: "x" })).toBe(true);
+    expect(isFiltered({ ...DEFAULT_QUERY, sort: "seed", page: 2 })).toBe(false);
+    expect(isFiltered({ ...DEFAULT_QUERY, tag: "x" })).toBe(true);
   });
 });

@@ -47,7 +47,7 @@ export interface LibraryQuery {
   readonly page: number;
 }
 
-export const NO_WISH: LibraryQuery = {
+export const DEFAULT_QUERY: LibraryQuery = {
   text: "",
   kind: "",
   status: "",
@@ -130,7 +130,7 @@ export function runHash(query: LibraryQuery, item = "", other = ""): string {
 }
 
 /** Asks for something else, without a step in the browser's history. */
-export function ask(query: LibraryQuery, item = "", other = ""): void {
+export function showQuery(query: LibraryQuery, item = "", other = ""): void {
   location.replace(runHash(query, item, other));
 }
 

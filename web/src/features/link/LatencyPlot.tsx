@@ -6,7 +6,7 @@ import type { LinkStatus } from "../../api/types";
 import { canvasColours } from "../../ui/theme/canvas";
 import { CURVES, LatencyChart } from "./latency-chart";
 import styles from "./LinkPage.module.css";
-import { milliseconds } from "./words";
+import { milliseconds } from "./labels";
 
 function Legend({ link }: { readonly link: LinkStatus }) {
   return (
@@ -18,7 +18,7 @@ function Legend({ link }: { readonly link: LinkStatus }) {
           </svg>
           {label}
           <span>
-            half within <b>{milliseconds(link[key]?.p50 ?? null)}</b> ms, 99 % within <b>{milliseconds(link[key]?.p99 ?? null)}</b> ms
+            median <b>{milliseconds(link[key]?.p50 ?? null)}</b> ms, 99 % within <b>{milliseconds(link[key]?.p99 ?? null)}</b> ms
           </span>
         </li>
       ))}
@@ -53,7 +53,7 @@ export function LatencyPlot({ link, shown }: { readonly link: LinkStatus; readon
 
   return (
     <div className={styles.latency}>
-      <Panel title="Latency" grow dated="service" aside={<span className={styles.unit}>ms, over the seconds until now</span>}>
+      <Panel title="Latency" grow dated="service" aside={<span className={styles.unit}>ms, over the last minute</span>}>
         <Legend link={link} />
         <div
           ref={place}

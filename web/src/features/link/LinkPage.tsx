@@ -13,19 +13,19 @@ const CONSOLE = "becalm serve --plant zenoh --connect tcp/127.0.0.1:7447";
 function Simulated() {
   return (
     <section className={styles.simulated} aria-label="No robot">
-      <h2>The simulation is flown: there is no link</h2>
+      <h2>Simulation: there is no robot link</h2>
       <p>
-        With one setting the same console, controller and log fly a robot at the other end of zenoh. Who has none starts an emulated
-        air-bearing testbed, with noise, delay and faults on demand:
+        With one setting the same console, controller and log fly a robot over zenoh. Without a robot, start an emulated air-bearing
+        testbed with noise, delay and faults on demand:
       </p>
-      <pre tabIndex={0} aria-label="Commands to type">
+      <pre tabIndex={0} aria-label="Shell commands">
         <code>
           {EMULATOR}
           {"\n"}
           {CONSOLE}
         </code>
       </pre>
-      <p>A ROS 2 robot needs no code of Becalm, only the topics of its contract: docs/link.md has the table.</p>
+      <p>A ROS 2 robot needs no Becalm code, only the topics of the contract in docs/link.md.</p>
     </section>
   );
 }
@@ -38,10 +38,10 @@ export function LinkPage({ shown }: { readonly shown: boolean }) {
     <main className={styles.page} hidden={!shown} data-trust={stale ? "stale" : undefined} aria-label="Robot link">
       {stale && link?.plant !== "simulation" && (
         <p className={styles.old} role="alert">
-          What is shown is old: {refusal?.message ?? "the service does not answer."}
+          Stale data: {refusal?.message ?? "the service does not answer."}
         </p>
       )}
-      {link === null && !stale && <p className={styles.old}>Asking the service.</p>}
+      {link === null && !stale && <p className={styles.old}>Loading the state of the link.</p>}
       {link?.plant === "simulation" && <Simulated />}
       {link?.plant === "zenoh" && (
         <div className={styles.columns}>

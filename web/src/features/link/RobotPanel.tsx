@@ -3,46 +3,46 @@ import { Button, Tooltip } from "@mantine/core";
 import { useState } from "react";
 import { Facts, type Fact } from "../../ui/Facts";
 import { Panel } from "../../ui/Panel";
-import { useDoing } from "../../api/use-doing";
+import { useAction } from "../../api/use-action";
 import { tareWrists } from "../../api/service";
 import type { LinkStatus } from "../../api/types";
 import { Icon } from "../../ui/theme/Icon";
 import { useReasonAgainstCommanding } from "../control/control";
 import styles from "./LinkPage.module.css";
-import { age, holderOf, modeOf, sentence } from "./words";
+import { age, holderOf, modeOf, sentence } from "./labels";
 
 /** Asks the robot to take what its wrists read now as zero, and shows what became of it. */
 function Tare({ tared }: { readonly tared: boolean | null }) {
-  const against = useReasonAgainstCommanding();
-  const { doing, waiting, refusal } = useDoing();
-  const [told, setTold] = useState("");
+  const disabledReason = useReasonAgainstCommanding();
+  const { runAction, waiting, refusal } = useAction();
+  const [answer, setAnswer] = useState("");
   const tare = async () => {
-    setTold("");
-    setTold((await tareWrists()).message);
+    setAnswer("");
+    setAnswer((await tareWrists()).message);
   };
   return (
     <div className={styles.tare}>
-      <Tooltip label={against ?? "What both wrists read now counts as zero from here on. Let the hands touch nothing."}>
+      <Tooltip label={disabledReason ?? "Zeroes the force sensors of both wrists. The hands must not touch anything."}>
         <Button
-          data-disabled={against !== null}
-          aria-disabled={against !== null}
+          data-disabled={disabledReason !== null}
+          aria-disabled={disabledReason !== null}
           aria-busy={waiting}
           loading={waiting}
           onClick={() => {
-            if (against === null) void doing(tare);
+            if (disabledReason === null) void runAction(tare);
           }}
         >
           Tare wrists
         </Button>
       </Tooltip>
-      <p role="status" aria-live="polite" data-verdict={waiting ? "waiting" : refusal ? "refused" : told === "" ? undefined : "accepted"}>
+      <p role="status" aria-live="polite" data-verdict={waiting ? "waiting" : refusal ? "refused" : answer === "" ? undefined : "accepted"}>
         {refusal ? (
           <span className={styles.word} data-tone="error">
-            <Icon sign="cross" size={12} /> {sentence(refusal.message)} {sentence(refusal.tip)}
+            <Icon icon="cross" size={12} /> {sentence(refusal.message)} {sentence(refusal.tip)}
           </span>
-        ) : told !== "" ? (
+        ) : answer !== "" ? (
           <span className={styles.word} data-tone="calm">
-            <Icon sign="check" size={12} /> Tared: {told}.
+            <Icon icon="check" size={12} /> Tared: {answer}.
           </span>
         ) : (
           tared !== null && <span>{tared ? "Tared since the robot was started." : "Not tared since the robot was started."}</span>
@@ -56,12 +56,12 @@ function RobotFacts({ link }: { readonly link: LinkStatus }) {
   const { robot, stop } = link;
   const facts: readonly Fact[] = [
     ["Robot", given(link.robot_identity, "—")],
-    ...(link.other_robots.length > 0 ? [["Others heard", link.other_robots.join(", ")] as const] : []),
+    ...(link.other_robots.length > 0 ? [["Other robots", link.other_robots.join(", ")] as const] : []),
     ["Held by", holderOf(link)],
     ["Robot's session", given(link.holder, "—")],
-    ["This console's", given(link.session, "—")],
+    ["This session", given(link.session, "—")],
     ["Commands followed", String(robot?.commands ?? "—")],
-    ["Refused by it", String(robot?.refused ?? "—")],
+    ["Commands refused", String(robot?.refused ?? "—")],
     ["Last refusal", given(robot?.last_refusal, "none")],
     ...link.refused_messages.map((each) => [`Refused: ${each.name}`, `${each.refused}, last ${age(each.refusal_age)} ago: ${each.last_refusal}`] as const),
     ["Last STOP", stop === null ? "none" : stopWords(stop)],
@@ -88,13 +88,13 @@ export function RobotPanel({ link }: { readonly link: LinkStatus }) {
   return (
     <Panel title="Robot" dated="service">
       <div className={styles.mode} data-tone={mode.tone} role="status" aria-label={`Robot: ${mode.word}`}>
-        <Icon sign={mode.sign} size={26} />
+        <Icon icon={mode.icon} size={26} />
         <strong>{mode.word}</strong>
         <p>{mode.detail}</p>
       </div>
       {link.problem !== null && (
         <p className={styles.problem} role="alert">
-          <Icon sign="error" /> It cannot be flown now: {link.problem}.
+          <Icon icon="error" /> The robot cannot be flown: {link.problem}.
         </p>
       )}
       <RobotFacts link={link} />

@@ -5,32 +5,32 @@ import type { LinkStatus, StreamStatus } from "../../api/types";
 import { Icon } from "../../ui/theme/Icon";
 import { fixed } from "../../units/units";
 import styles from "./LinkPage.module.css";
-import { age, milliseconds, sentence, streamWord } from "./words";
+import { age, milliseconds, sentence, streamWord } from "./labels";
 
 const COLUMNS = [
-  ["Rate", "Arrivals a second over the last two seconds, of those that the contract says"],
-  ["Age", "Since the last arrival"],
+  ["Rate", "Messages per second over the last two seconds, of the contract's rate"],
+  ["Age", "Time since the last message"],
   ["Jitter", "Standard deviation of the delay over the last two seconds"],
-  ["Loss", "Part of the last two seconds that did not arrive, by the stamps"],
-  ["Received", "Since the service began"],
-  ["Lost", "Since the service began, by the stamps"],
-  ["Refused", "Came and was not believed, since the service began"],
+  ["Loss", "Share of messages lost over the last two seconds, by time stamps"],
+  ["Received", "Since the service started"],
+  ["Lost", "Since the service started, by time stamps"],
+  ["Refused", "Received but rejected, since the service started"],
 ] as const;
 
 function StreamRow({ stream }: { readonly stream: StreamStatus }) {
-  const { word, sign, tone, detail } = streamWord(stream);
+  const { word, icon, tone, detail } = streamWord(stream);
   return (
     <tr data-tone={tone}>
       <th scope="row">
         {stream.name}
-        {!stream.needed && <small> only shown</small>}
+        {!stream.needed && <small> display only</small>}
         <code>{stream.key}</code>
         {word === "refused" && <small>{detail}</small>}
       </th>
       <td className={styles.state}>
         <Tooltip label={detail}>
           <span className={styles.word} data-tone={tone}>
-            <Icon sign={sign} size={12} />
+            <Icon icon={icon} size={12} />
             {word}
           </span>
         </Tooltip>

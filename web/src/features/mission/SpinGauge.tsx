@@ -40,7 +40,7 @@ export function SpinGauge() {
         {known && <Bar spin={spin} threshold={threshold} full={reach(series.length > 0 ? series.at("spin", 0) : spin, spin, threshold)} />}
       </svg>
       <Remark>
-        {below && <Icon sign="check" size={12} />}
+        {below && <Icon icon="check" size={12} />}
         {limit}
       </Remark>
     </Cell>

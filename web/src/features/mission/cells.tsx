@@ -3,7 +3,7 @@ import { Tooltip } from "@mantine/core";
 import type { MissionSnapshot } from "../../api/types";
 import { Term } from "../glossary/Term";
 import { useSnapshot } from "../../store/context";
-import { Icon, type Sign } from "../../ui/theme/Icon";
+import { Icon, type IconName } from "../../ui/theme/Icon";
 import { fixed, MILLIMETRES, MILLIMETRES_PER_SECOND } from "../../units/units";
 import { Cell, Reading, Remark } from "./Cell";
 import styles from "./cells.module.css";
@@ -66,7 +66,7 @@ export function CageCell() {
   return (
     <Cell label="Cage" width={118}>
       <div className={styles.word}>
-        {margin !== null && <Icon sign="lock" size={16} />}
+        {margin !== null && <Icon icon="lock" size={16} />}
         {cageWords(closed, margin)}
       </div>
       <Remark><Term term="cage_margin">margin</Term> {margin === null ? "—" : `${fixed(margin * MILLIMETRES.factor, 1)} mm`}</Remark>
@@ -77,13 +77,13 @@ export function CageCell() {
 type Readiness = MissionSnapshot["readiness"];
 
 interface Reason {
-  readonly sign: Sign;
+  readonly icon: IconName;
   readonly words: string;
 }
 
 /** What there is room for: of what is waited for, else of what is met. The tip has all. */
-export function toldOf(reasons: readonly Reason[]): readonly Reason[] {
-  const unmet = reasons.filter(({ sign }) => sign !== "check");
+export function shownReasons(reasons: readonly Reason[]): readonly Reason[] {
+  const unmet = reasons.filter(({ icon }) => icon !== "check");
   return (unmet.length > 0 ? unmet : reasons).slice(0, 2);
 }
 
@@ -91,8 +91,8 @@ export function toldOf(reasons: readonly Reason[]): readonly Reason[] {
 export function reasonsOf(readiness: Readiness): readonly Reason[] {
   const conditions = [...readiness.conditions]
     .sort((one, other) => Number(one.met) - Number(other.met))
-    .map(({ met, words }) => ({ sign: met ? ("check" as const) : ("cross" as const), words }));
-  return readiness.blocked === null ? conditions : [{ sign: "bar", words: readiness.blocked }, ...conditions];
+    .map(({ met, words }) => ({ icon: met ? ("check" as const) : ("cross" as const), words }));
+  return readiness.blocked === null ? conditions : [{ icon: "bar", words: readiness.blocked }, ...conditions];
 }
 
 export function goWords({ go, blocked }: Readiness): string {
@@ -104,9 +104,9 @@ export function goWords({ go, blocked }: Readiness): string {
 function ReasonList({ reasons }: { readonly reasons: readonly Reason[] }) {
   return (
     <ul>
-      {reasons.map(({ sign, words }) => (
+      {reasons.map(({ icon, words }) => (
         <li key={words}>
-          <Icon sign={sign} size={11} /> {words}
+          <Icon icon={icon} size={11} /> {words}
         </li>
       ))}
     </ul>
@@ -120,14 +120,14 @@ export function NextCell() {
   return (
     <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={236}>
       <div className={styles.go} data-go={go || undefined}>
-        {readiness && <Icon sign={go ? "check" : "bar"} size={16} />}
+        {readiness && <Icon icon={go ? "check" : "bar"} size={16} />}
         {readiness ? goWords(readiness) : "—"}
       </div>
       <Tooltip label={<ReasonList reasons={reasons} />} w={320} disabled={reasons.length === 0} position="bottom-end">
         <ul className={styles.reasons} tabIndex={reasons.length === 0 ? undefined : 0}>
-          {toldOf(reasons).map(({ sign, words }) => (
-            <li key={words} data-sign={sign}>
-              <Icon sign={sign} size={11} /> <span className="visually-hidden">{sign === "check" ? "met:" : "unmet:"}</span>
+          {shownReasons(reasons).map(({ icon, words }) => (
+            <li key={words} data-icon={icon}>
+              <Icon icon={icon} size={11} /> <span className="visually-hidden">{icon === "check" ? "met:" : "unmet:"}</span>
               <span>{words}</span>
             </li>
           ))}

@@ -6,8 +6,8 @@ import { useSnapshot } from "../../store/context";
 export function whatIsLost({ phase, activity, configuration }: Pick<MissionSnapshot, "phase" | "activity" | "configuration">): string | null {
   const flying = phase === "detumbling" || phase === "caging" || activity !== "none";
   const losses = [
-    flying ? "The mission that flies now ends." : null,
-    configuration.endsWith(" (edited)") ? "What was edited is lost, unless it is kept as a preset." : null,
+    flying ? "The mission in progress will end." : null,
+    configuration.endsWith(" (edited)") ? "Edited parameters will be lost unless they are saved as a preset." : null,
   ].filter((loss) => loss !== null);
   return losses.length === 0 ? null : losses.join(" ");
 }

@@ -38,8 +38,8 @@ function About({ parameter, value, angles }: FieldState) {
         {!parameter.choices && <dd>{boundsText(parameter, angles)}</dd>}
         <dt>Source</dt>
         <dd>{parameter.source}</dd>
-        <dt>Changes</dt>
-        <dd>{parameter.live ? "while the mission flies" : "before a mission begins; reset first"}</dd>
+        <dt>Takes effect</dt>
+        <dd>{parameter.live ? "during a mission" : "at the start of a mission; requires a reset"}</dd>
       </dl>
       <code>{parameter.path}</code>
     </div>
@@ -99,13 +99,13 @@ function Returns({ parameter, value, staged, named, angles, edit, leave }: Field
   return (
     <span className={styles.returns}>
       {staged !== undefined && text !== inForce && (
-        <ActionIcon size={18} aria-label={`${parameter.title}: back to what is in force`} title={`Back to what is in force: ${inForce} ${unit}`} onClick={() => { edit(parameter, inForce); leave(parameter); }}>
-          <Icon sign="cross" size={9} />
+        <ActionIcon size={18} aria-label={`${parameter.title}: revert to the value in force`} title={`Revert to the value in force: ${inForce} ${unit}`} onClick={() => { edit(parameter, inForce); leave(parameter); }}>
+          <Icon icon="cross" size={9} />
         </ActionIcon>
       )}
       {named !== undefined && text !== standard && (
-        <ActionIcon size={18} aria-label={`${parameter.title}: back to the named configuration`} title={`Back to the named configuration: ${standard} ${unit}`} onClick={() => { edit(parameter, standard); }}>
-          <Icon sign="reset" size={11} />
+        <ActionIcon size={18} aria-label={`${parameter.title}: revert to the named configuration`} title={`Revert to the named configuration: ${standard} ${unit}`} onClick={() => { edit(parameter, standard); }}>
+          <Icon icon="reset" size={11} />
         </ActionIcon>
       )}
     </span>
@@ -127,9 +127,9 @@ export function ParameterField(state: FieldState) {
             </span>
           )}
           {!parameter.live && (
-            <span className={styles.reset} title="Takes a reset">
-              <Icon sign="lock" size={11} />
-              <span className="visually-hidden">, takes a reset</span>
+            <span className={styles.reset} title="Requires reset">
+              <Icon icon="lock" size={11} />
+              <span className="visually-hidden">, requires a reset</span>
             </span>
           )}
         </label>

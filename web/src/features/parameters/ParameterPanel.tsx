@@ -94,13 +94,13 @@ function Find({ query, setQuery, edited, only, setOnly }: FindProps) {
         aria-label="Search parameters"
         placeholder="Search all parameters"
         type="search"
-        leftSection={<Icon sign="search" />}
+        leftSection={<Icon icon="search" />}
         value={query}
         onChange={(event) => {
           setQuery(event.currentTarget.value);
         }}
       />
-      <Button aria-pressed={only} variant={only ? "filled" : "default"} title="Show only what is staged or differs from the named configuration" onClick={() => { setOnly(!only); }}>
+      <Button aria-pressed={only} variant={only ? "filled" : "default"} title="Show only parameters that are staged or differ from the named configuration" onClick={() => { setOnly(!only); }}>
         {`Edited ${edited}`}
       </Button>
     </div>
@@ -173,7 +173,7 @@ export function ParameterPanel() {
     <Panel title="Parameters" grow tall aside={<span className={styles.count}>{parameters.length > 0 && `${matching.length} of ${parameters.length}`}</span>}>
       <Find query={query} setQuery={setQuery} edited={edited} only={onlyEdited} setOnly={setOnlyEdited} />
       <div className={styles.groups} tabIndex={-1}>
-        {searching && matching.length === 0 && <p className={styles.none}>{query === "" ? "Nothing is edited." : "No parameter fits."}</p>}
+        {searching && matching.length === 0 && <p className={styles.none}>{query === "" ? "No edited parameters." : "No matching parameters."}</p>}
         {groupsOf(matching).map(([group, members]) => (
           <details key={`${group} ${searching}`} className={styles.group} open={searching || group === FIRST_GROUP}>
             <summary>

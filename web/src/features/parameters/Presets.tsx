@@ -3,7 +3,7 @@ import { Button, TextInput } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { ConfirmButton } from "../../ui/ConfirmButton";
-import { useDoing } from "../../api/use-doing";
+import { useAction } from "../../api/use-action";
 import { keepPreset, readPresets, removePreset } from "../../api/service";
 import type { Preset, PresetBody } from "../../api/types";
 import { useView } from "../../store/context";
@@ -29,18 +29,18 @@ function usePresets(): { readonly presets: readonly Preset[]; readonly readAgain
 
 /** What becomes of the preset that has this name now. */
 function wordsOf(known: Preset | undefined): string {
-  if (known === undefined) return "Keeps what is in force, with what is staged.";
-  if (known.preset === null) return `It cannot be read (${known.refusal ?? "no reason given"}), and would be replaced.`;
-  return [`Kept by ${known.preset.who}; it would be replaced.`, ...known.notices].join(" ");
+  if (known === undefined) return "Saves the parameters in force with the staged changes.";
+  if (known.preset === null) return `The existing preset cannot be read (${known.refusal ?? "no reason given"}) and will be replaced.`;
+  return [`Saved by ${known.preset.who}; it will be replaced.`, ...known.notices].join(" ");
 }
 
 export function Presets({ present, stage }: PresetsProps) {
   const { presets, readAgain } = usePresets();
-  const { doing, waiting, refusal } = useDoing();
+  const { runAction, waiting, refusal } = useAction();
   const byRole = useReasonByRole("operator");
   const [name, setName] = useState("");
   const known = presets.find((preset) => preset.name === name.trim());
-  const change = (work: () => Promise<unknown>): void => void doing(() => work().then(readAgain));
+  const change = (work: () => Promise<unknown>): void => void runAction(() => work().then(readAgain));
   return (
     <div className={styles.presets}>
       <Choice
@@ -48,7 +48,7 @@ export function Presets({ present, stage }: PresetsProps) {
         value=""
         onFocus={readAgain}
         data={[
-          { value: "", label: presets.length === 0 ? "No preset kept yet" : "Stage a preset" },
+          { value: "", label: presets.length === 0 ? "No presets yet" : "Stage a preset" },
           ...presets.map(({ name, preset, config }) => ({ value: name, label: preset === null ? `${name} (cannot be read)` : name, disabled: config === null })),
         ]}
         onChange={(value) => {
@@ -61,18 +61,18 @@ export function Presets({ present, stage }: PresetsProps) {
       <Popup
         target={
           <Button disabled={byRole !== null} title={byRole ?? undefined}>
-            Keep as
+            Save as
           </Button>
         }
       >
         <div className={styles.keep}>
-          <TextInput aria-label="Name of the preset" placeholder="such as: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
+          <TextInput aria-label="Preset name" placeholder="for example: soft hands" maxLength={40} value={name} onChange={(event) => { setName(event.currentTarget.value); }} />
           <p>{wordsOf(known)}</p>
           <div className={styles.pair}>
             <Button variant="filled" loading={waiting} disabled={name.trim() === "" || present === null} onClick={() => { if (present !== null) change(() => keepPreset(name.trim(), present)); }}>
-              {known ? "Replace" : "Keep"}
+              {known ? "Replace" : "Save"}
             </Button>
-            {known && <ConfirmButton label="Remove" question="Really remove?" against={null} onConfirm={() => { change(() => removePreset(known.name)); }} />}
+            {known && <ConfirmButton label="Delete" question="Delete permanently?" disabledReason={null} onConfirm={() => { change(() => removePreset(known.name)); }} />}
           </div>
           {refusal !== null && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
         </div>

@@ -5,7 +5,7 @@ import type { Refusal } from "../../api/refusal";
 import { useView } from "../../store/context";
 import { Icon } from "../../ui/theme/Icon";
 import { shown } from "../../units/units";
-import { ARMED_LOOK, SecondsLeft } from "../commands/SecondsLeft";
+import { ARMED_STYLE, SecondsLeft } from "../commands/SecondsLeft";
 import { useReasonAgainstCommanding } from "../control/control";
 import type { ArmedChanges } from "./arming";
 import { fieldText, type Change } from "./draft";
@@ -30,7 +30,7 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
     <li>
       <span className={styles.name} title={parameter.path}>{parameter.title}</span>
       <span className={styles.from}>{fieldText(parameter, from, angles)}</span>
-      <Icon sign="follow" size={11} />
+      <Icon icon="follow" size={11} />
       <span className="visually-hidden">becomes</span>
       <strong>{fieldText(parameter, to, angles)}</strong>
       <span className={styles.unit}>{shown(parameter.unit, angles).unit}</span>
@@ -47,7 +47,7 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ar
       <details className={styles.differences}>
         <summary className={styles.count}>
           <h3>{`${changes.length} ${changes.length === 1 ? "change" : "changes"} staged`}</h3>
-          {unsound > 0 && <span>{`${unsound} to correct first`}</span>}
+          {unsound > 0 && <span>{`${unsound} to correct`}</span>}
         </summary>
         <ul className={styles.list}>
           {changes.map((change) => (
@@ -57,19 +57,19 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ar
       </details>
       {refusal !== null && (
         <p className={styles.refusal} role="alert">
-          <Icon sign="warning" /> <span>{`${refusal.message} ${refusal.tip && `(${refusal.tip})`}`}</span>
+          <Icon icon="warning" /> <span>{`${refusal.message} ${refusal.tip && `(${refusal.tip})`}`}</span>
         </p>
       )}
       {armed !== null && (
         <p className={styles.refusal} role="status">
-          <Icon sign="warning" /> <span>The robot is taken for a new mission, as it stands. Press again to go.</span>
+          <Icon icon="warning" /> <span>A new mission takes over the robot in its current pose. Press again to confirm.</span>
         </p>
       )}
       <div className={styles.buttons}>
         <Button onClick={discard}>Discard</Button>
         <Button
           variant="filled"
-          {...(armed && ARMED_LOOK)}
+          {...(armed && ARMED_STYLE)}
           disabled={unsound > 0 || changes.length === 0 || !live || byWho !== null}
           title={byWho ?? undefined}
           loading={applying}

@@ -26,7 +26,7 @@ export function PlotTools({ view, change, now, following }: PlotToolsProps) {
       {view.zoomed && (
         <Button
           size="compact-xs"
-          leftSection={<Icon sign="follow" size={12} />}
+          leftSection={<Icon icon="follow" size={12} />}
           onClick={() => {
             change({ ...view, zoomed: null });
           }}
@@ -38,7 +38,7 @@ export function PlotTools({ view, change, now, following }: PlotToolsProps) {
         <Button
           size="compact-xs"
           aria-pressed={still}
-          leftSection={<Icon sign={still ? "play" : "pause"} size={12} />}
+          leftSection={<Icon icon={still ? "play" : "pause"} size={12} />}
           onClick={() => {
             change({ ...view, pausedAt: still ? null : now() });
           }}
@@ -47,7 +47,7 @@ export function PlotTools({ view, change, now, following }: PlotToolsProps) {
         </Button>
       )}
       <SegmentedControl
-        aria-label="Stretch of time"
+        aria-label="Time window"
         value={String(view.window)}
         data={WINDOWS}
         onChange={(value) => {

@@ -24,7 +24,7 @@ const WIDTHS = { own: 1.5, compared: 0.9 } as const;
 
 /** @throws Error if nothing has been drawn yet. */
 export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFrame | null, source: FigureSource): PlotFigure {
-  if (frame === null || frame.series.length === 0) throw new Error("There is nothing to save yet.");
+  if (frame === null || frame.series.length === 0) throw new Error("There is nothing to export yet.");
   const { series, compared, range, decorations } = frame;
   const scaled = (values: Float64Array): Float64Array => values.map((value) => value * scale.factor);
   const quantities = definition.curves.map(({ quantity }) => quantity);

@@ -24,10 +24,10 @@ function useFrames(playback: Playback): void {
   }, [playback]);
 }
 
-function Step({ playback, ticks, label, sign }: { readonly playback: Playback; readonly ticks: number; readonly label: string; readonly sign: "back" | "step" }) {
+function Step({ playback, ticks, label, icon }: { readonly playback: Playback; readonly ticks: number; readonly label: string; readonly icon: "back" | "step" }) {
   return (
     <ActionIcon aria-label={label} title={label} onClick={() => { playback.step(ticks); }}>
-      <Icon sign={sign} />
+      <Icon icon={icon} />
     </ActionIcon>
   );
 }
@@ -37,7 +37,7 @@ export function Transport({ playback }: { readonly playback: Playback }) {
   useFrames(playback);
   return (
     <div className={styles.transport} role="group" aria-label="Replay">
-      <Button size="compact-sm" leftSection={<Icon sign={playing ? "pause" : "play"} />} onClick={() => { if (playing) playback.pause(); else playback.play(); }}>
+      <Button size="compact-sm" leftSection={<Icon icon={playing ? "pause" : "play"} />} onClick={() => { if (playing) playback.pause(); else playback.play(); }}>
         {playing ? "Pause" : "Play"}
       </Button>
       {playback.start > 0 && (
@@ -45,8 +45,8 @@ export function Transport({ playback }: { readonly playback: Playback }) {
           First motion
         </Button>
       )}
-      <Step playback={playback} ticks={-1} label="One tick back" sign="back" />
-      <Step playback={playback} ticks={1} label="One tick on" sign="step" />
+      <Step playback={playback} ticks={-1} label="One tick back" icon="back" />
+      <Step playback={playback} ticks={1} label="One tick forward" icon="step" />
       <Slider
         className={styles.scrubber ?? ""}
         size="sm"

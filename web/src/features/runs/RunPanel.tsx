@@ -6,14 +6,14 @@ import { hashOf } from "../../store/route";
 import { logAddress } from "../../api/service";
 import type { Outcome } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
-import { Icon, type Sign } from "../../ui/theme/Icon";
-import { lookOf } from "../glossary/class-style";
+import { Icon, type IconName } from "../../ui/theme/Icon";
+import { classStyle } from "../glossary/class-style";
 import { clock, fixed, MILLIMETRES } from "../../units/units";
 import { verdictOf, type Verdict } from "./outcome";
 import styles from "./RunPanel.module.css";
 import { TouchTable } from "./TouchTable";
 
-const SIGNS: Readonly<Record<Verdict["tone"], Sign>> = { good: "check", fair: "warning", bad: "cross" };
+const ICONS: Readonly<Record<Verdict["tone"], IconName>> = { good: "check", fair: "warning", bad: "cross" };
 
 function margin(outcome: Outcome): string {
   return outcome.cage_margin === null ? "none" : `${fixed(outcome.cage_margin * MILLIMETRES.factor, 1)} mm`;
@@ -25,7 +25,7 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
   return (
     <section className={styles.ending} data-tone={verdict.tone} aria-label="Outcome" role="status">
       <h3 className={styles.headline}>
-        <Icon sign={SIGNS[verdict.tone]} size={18} /> {verdict.headline}
+        <Icon icon={ICONS[verdict.tone]} size={18} /> {verdict.headline}
       </h3>
       <p>
         {verdict.meaning} <Term term={outcome.outcome}>How it is judged</Term>
@@ -58,7 +58,7 @@ export function Ending({ outcome }: { readonly outcome: Outcome }) {
       </dl>
       {outcome.at_first_closure !== outcome.at_locked_arms && (
         <p className={styles.rule}>
-          <Term term="at_first_closure">Paper&apos;s verdict</Term>: <Term term={outcome.at_first_closure}>{lookOf(outcome.at_first_closure).words}</Term>.
+          <Term term="at_first_closure">Paper&apos;s verdict</Term>: <Term term={outcome.at_first_closure}>{classStyle(outcome.at_first_closure).words}</Term>.
         </p>
       )}
     </section>
@@ -71,12 +71,12 @@ export function RunPanel() {
   const run = useSnapshot((snapshot) => snapshot.run_id);
   const recorded = useSnapshot((snapshot) => snapshot.tick > 0) ?? false;
   return (
-    <Panel title={outcome ? "How it ended" : "This run"} dated="robot">
+    <Panel title={outcome ? "Outcome" : "This run"} dated="robot">
       {outcome && <Ending outcome={outcome} />}
       <TouchTable touches={touches} />
       {run !== null && recorded && (
         <div className={styles.downloads}>
-          <a href={hashOf({ page: "runs", item: run })}>In the library</a>
+          <a href={hashOf({ page: "runs", item: run })}>Open in Runs</a>
           <span />
           <DownloadLink href={logAddress(run, "csv")} format="CSV" what="the log of this run" />
           <DownloadLink href={logAddress(run, "parquet")} format="Parquet" what="the log of this run" />

@@ -17,7 +17,7 @@ function Row({ touch }: { readonly touch: Touch }) {
         {NAMES[touch.arm]}
         {!touch.planned && (
           <span className={styles.unplanned} title={meaningOf("unplanned") ?? undefined}>
-            <Icon sign="warning" size={12} />
+            <Icon icon="warning" size={12} />
             <span className="visually-hidden">unplanned</span>
           </span>
         )}
@@ -31,7 +31,7 @@ function Row({ touch }: { readonly touch: Touch }) {
 
 /** Every touch so far: which hand, when, how long, how hard. */
 export function TouchTable({ touches }: { readonly touches: readonly Touch[] }) {
-  if (touches.length === 0) return <p className={styles.none}>No touch yet.</p>;
+  if (touches.length === 0) return <p className={styles.none}>No touches yet.</p>;
   return (
     <div className={styles.scroll} tabIndex={0} role="region" aria-label="Touches">
       <table className={styles.table}>

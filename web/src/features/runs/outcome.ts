@@ -13,30 +13,30 @@ const CAGED: Readonly<Partial<Record<OutcomeClass, Verdict>>> = {
   caged_force_reduced: {
     tone: "good",
     headline: "Caged, force reduced",
-    meaning: "No motion leads the target out of the hands, and no touch was harder than direct caging.",
+    meaning: "The target cannot escape the hands, and every touch was softer than direct caging.",
   },
   caged_force_not_reduced: {
     tone: "fair",
     headline: "Caged, force not reduced",
-    meaning: "No motion leads the target out of the hands, but a touch was as hard as direct caging or harder.",
+    meaning: "The target cannot escape the hands, but a touch was as hard as direct caging or harder.",
   },
   caged_unplanned_contact: {
     tone: "fair",
     headline: "Caged after unplanned contact",
-    meaning: "No motion leads the target out of the hands, but they touched it when no touch was planned.",
+    meaning: "The target cannot escape the hands, but they touched it when no touch was planned.",
   },
 };
 
 const FAILED: Readonly<Partial<Record<OutcomeClass, Verdict>>> = {
   ejection: { tone: "bad", headline: "Target ejected", meaning: "The target left the robot's reach." },
   base_collision: { tone: "bad", headline: "Collision with the base", meaning: "The target struck the robot's base." },
-  unresolved: { tone: "bad", headline: "Not captured", meaning: "The time was up before the target was caged." },
+  unresolved: { tone: "bad", headline: "Not captured", meaning: "Time ran out before the target was caged." },
 };
 
 const NOT_HELD: Verdict = {
   tone: "bad",
   headline: "Closed, but not caged",
-  meaning: "The hands closed around the target, but a way out of them is left.",
+  meaning: "The hands closed around the target, but it can still escape.",
 };
 
 /** The verdict: that at locked arms, wherever a run is told of. The paper's, at first closure, is always named so. */

@@ -12,17 +12,17 @@ interface SceneChoicesProps {
   readonly view: SceneView;
   readonly onChange: (change: SceneChange) => void;
   /** Why it may not be changed; null if it may. */
-  readonly against: string | null;
+  readonly disabledReason: string | null;
 }
 
 const CAMERA_WORDS: Readonly<Record<Camera, string>> = { perspective: "All", top: "Top", follow: "Follow", hand: "Hand" };
 
-export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
-  // What was chosen here since the service told how the scene stands.
+export function SceneChoices({ view, onChange, disabledReason }: SceneChoicesProps) {
+  // What was chosen here since the source last reported the arrangement.
   const [chosen, setChosen] = useState<SceneChange>({});
-  const [told, setTold] = useState(view);
-  if (told !== view) {
-    setTold(view);
+  const [known, setKnown] = useState(view);
+  if (known !== view) {
+    setKnown(view);
     setChosen({});
   }
   const layers = { ...view.layers, ...chosen.layers };
@@ -31,18 +31,18 @@ export function SceneChoices({ view, onChange, against }: SceneChoicesProps) {
     onChange(next);
   };
   return (
-    <div className={styles.choices} title={against ?? undefined}>
+    <div className={styles.choices} title={disabledReason ?? undefined}>
       <SegmentedControl
         aria-label="Camera"
         size="xs"
-        disabled={against !== null}
+        disabled={disabledReason !== null}
         value={chosen.camera ?? view.camera}
         data={view.cameras.map((name) => ({ value: name, label: CAMERA_WORDS[name] }))}
         onChange={(camera) => { change({ camera }); }}
       />
       <Popup
         target={
-          <Button size="compact-xs" disabled={against !== null}>
+          <Button size="compact-xs" disabled={disabledReason !== null}>
             Layers
           </Button>
         }

@@ -11,14 +11,14 @@ import { SceneFrame } from "./SceneFrame";
 import styles from "./ScenePanel.module.css";
 
 /** Milliseconds between two looks at what others have chosen. */
-const LOOK_PERIOD = 3000;
+const CHECK_PERIOD = 3000;
 
 /** The camera and the layers of that page; the live scene has the same for all browsers, whoever of them chose. */
 function Arrangement({ page }: { readonly page: string }) {
   const { scene } = useStore().source;
   const connections = useView((view) => view.connections);
   const queryKey = ["scene", page, connections];
-  const { data } = useQuery({ queryKey, queryFn: () => scene.read(), refetchInterval: LOOK_PERIOD });
+  const { data } = useQuery({ queryKey, queryFn: () => scene.read(), refetchInterval: CHECK_PERIOD });
   const client = useQueryClient();
   const byRole = useReasonByRole(scene.changeNeeds ?? "viewer");
   const disabledReason = scene.changeNeeds === null ? null : byRole;
@@ -28,13 +28,13 @@ function Arrangement({ page }: { readonly page: string }) {
     await scene.change(next).catch(() => undefined);
     await client.invalidateQueries({ queryKey });
   };
-  return <SceneChoices view={data} against={disabledReason} onChange={(next) => void change(next)} />;
+  return <SceneChoices view={data} disabledReason={disabledReason} onChange={(next) => void change(next)} />;
 }
 
 function DetailSwitch({ detail, choose, byItself }: DetailChoice) {
   const label =
     detail === "full"
-      ? "Draw the scene lightly: fewer pixels, no shadows, for a computer without a graphics card"
+      ? "Draw a light scene: fewer pixels, no shadows, for computers without a graphics card"
       : `Draw the scene in full detail${byItself ? "; it is light because this browser draws in software" : ""}`;
   return (
     <Tooltip label={label} position="left">
@@ -46,7 +46,7 @@ function DetailSwitch({ detail, choose, byItself }: DetailChoice) {
           choose(detail === "full" ? "light" : "full");
         }}
       >
-        <Icon sign="detail" />
+        <Icon icon="detail" />
       </ActionIcon>
     </Tooltip>
   );

@@ -4,9 +4,9 @@ import { loadingWords, stageIn } from "./loading";
 
 describe("a scene on its way", () => {
   it("says what is awaited until it is drawn", () => {
-    expect(loadingWords("waiting", "full")).toBe("Loading the scene: its program, 0.8 MB that this browser then keeps.");
+    expect(loadingWords("waiting", "full")).toBe("Loading the scene: 0.8 MB, once per browser.");
     expect(loadingWords("begun", "full")).toMatch(/the light scene is quicker/);
-    expect(loadingWords("begun", "light")).toBe("Loading the scene: robot and target are drawn for the first time.");
+    expect(loadingWords("begun", "light")).toBe("Loading the scene: drawing robot and target for the first time.");
     expect(loadingWords("drawn", "full")).toBeNull();
   });
 

@@ -1,4 +1,4 @@
-/** How far a scene is on its way to a picture, as its frame tells it (server/scene_page.py). */
+/** How far a scene is on its way to a picture, as its frame reports it (server/scene_page.py). */
 import { useEffect, useState } from "react";
 
 /** `waiting` for the frame's page, `arrived` but not running, `begun` but without a picture, `drawn`. */
@@ -16,27 +16,27 @@ export function stageIn(data: unknown): SceneStage | null {
 export function loadingWords(stage: SceneStage, detail: "full" | "light"): string | null {
   if (stage === "drawn") return null;
   const awaited = {
-    waiting: "its program, 0.8 MB that this browser then keeps",
-    arrived: "its program is started",
-    begun: "robot and target are drawn for the first time",
+    waiting: "0.8 MB, once per browser",
+    arrived: "starting the viewer",
+    begun: "drawing robot and target for the first time",
   }[stage];
   const slow = stage === "begun" && detail === "full" ? " Without a graphics card this takes a while: the light scene is quicker (bottom right)." : "";
   return `Loading the scene: ${awaited}.${slow}`;
 }
 
-/** Listens to that frame; `address` says which page it shows, and begins anew with another one. */
+/** Listens to that frame; `address` says which page it shows, and starts over with another one. */
 export function useStage(frame: HTMLIFrameElement | null, address: string): SceneStage {
-  const [told, setTold] = useState<{ readonly address: string; readonly stage: SceneStage }>({ address, stage: "waiting" });
+  const [latest, setLatest] = useState<{ readonly address: string; readonly stage: SceneStage }>({ address, stage: "waiting" });
   useEffect(() => {
     const listen = (event: MessageEvent): void => {
       if (event.source === null || event.source !== frame?.contentWindow || event.origin !== location.origin) return;
       const stage = stageIn(event.data);
-      if (stage !== null) setTold({ address, stage });
+      if (stage !== null) setLatest({ address, stage });
     };
     addEventListener("message", listen);
     return () => {
       removeEventListener("message", listen);
     };
   }, [frame, address]);
-  return told.address === address ? told.stage : "waiting";
+  return latest.address === address ? latest.stage : "waiting";
 }

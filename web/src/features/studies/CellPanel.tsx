@@ -2,14 +2,14 @@
 import { Panel } from "../../ui/Panel";
 import { Term } from "../glossary/Term";
 import { go } from "../../store/route";
-import { useDoing } from "../../api/use-doing";
+import { useAction } from "../../api/use-action";
 import { runCell } from "../../api/service";
 import type { CommandRequest, StudyDetail, StudyRow } from "../../api/types";
 import { RoleButton } from "../access/RoleButton";
 import { PrepareButton } from "../commands/PrepareButton";
 import { plain, shown } from "../../units/units";
 import { nested } from "./definition";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import { axisName } from "./geometry";
 import styles from "./StudiesPage.module.css";
 
@@ -32,7 +32,7 @@ const LABELS: readonly (readonly [string, string])[] = [
   ["outcome", "Outcome, by the study's rule"],
   ["at_first_closure", "Paper's verdict (at first closure)"],
   ["at_locked_arms", "Verdict (at locked arms)"],
-  ["caged", "Caged for good"],
+  ["caged", "Caged"],
   ["cage_margin", "Cage margin"],
   ["peak_tip_force", "Peak force, to locked arms"],
   ["peak_tip_force_to_closure", "Peak force, to closure"],
@@ -41,23 +41,23 @@ const LABELS: readonly (readonly [string, string])[] = [
   ["hardest_touch_arm", "Hardest touch, arm"],
   ["hardest_touch_start", "Hardest touch, at"],
   ["final_target_spin", "Final spin"],
-  ["min_manipulability", "Least manipulability"],
+  ["min_manipulability", "Minimum manipulability"],
 ];
 
 function words(study: StudyDetail, column: string, value: StudyRow[string]): string {
   if (value === null || value === undefined) return "—";
-  if (typeof value === "string" || typeof value === "boolean") return lookOf(String(value)).words;
+  if (typeof value === "string" || typeof value === "boolean") return classStyle(String(value)).words;
   if (typeof value !== "number") return "";
   const unit = shown(study.columns.find((each) => each.name === column)?.unit ?? "1", "rad").unit;
   return `${plain(Number(value.toPrecision(4)))} ${unit}`;
 }
 
 export function CellPanel({ study, row }: { readonly study: StudyDetail; readonly row: StudyRow | undefined }) {
-  const { doing, waiting, refusal } = useDoing();
+  const { runAction, waiting, refusal } = useAction();
   if (row === undefined) {
     return (
       <Panel title="Cell">
-        <p className={styles.hint}>Choose a cell of the map: what it was flown with, what came out, and its run.</p>
+        <p className={styles.hint}>Select a cell of the map for its parameters, its results and its run.</p>
       </Panel>
     );
   }
@@ -85,12 +85,12 @@ export function CellPanel({ study, row }: { readonly study: StudyDetail; readonl
       </dl>
       {typeof row["error"] === "string" && <p className={styles.hint}>{row["error"]}</p>}
       <div className={styles.actions}>
-        <PrepareButton label="Prepare it in the scene" request={preparation(study, row)} />
-        <RoleButton needs="operator" disabled={waiting} onClick={() => void doing(keep)}>
-          Keep as a run
+        <PrepareButton label="Set up as live mission" request={preparation(study, row)} />
+        <RoleButton needs="operator" disabled={waiting} onClick={() => void runAction(keep)}>
+          Save as a run
         </RoleButton>
       </div>
-      <p className={styles.hint}>{`Prepared, it rests on the mission's page until ${isDirect(study) ? "Direct caging" : "Capture"} is pressed there.`}</p>
+      <p className={styles.hint}>{`It then waits on the mission page until ${isDirect(study) ? "Direct caging" : "Capture"} is pressed.`}</p>
       {refusal && (
         <p className={styles.trouble} role="alert">
           <strong>{refusal.message}</strong> <span>{refusal.tip}</span>

@@ -14,7 +14,7 @@ import { useReasonByRole } from "../access/session";
 import { EMPTY_DRAFT, readDraft, type DraftRead, type StudyDraft } from "./definition";
 import styles from "./StudiesPage.module.css";
 import { useEstimate } from "./use-estimate";
-import { estimateWords, valuesWords } from "./words";
+import { estimateWords, valuesWords } from "./labels";
 
 const PUBLISHED: StudyRequest = { study: "published", changes: {}, confirm: false };
 
@@ -65,7 +65,7 @@ function Lines<Line extends { readonly path: string }>({ title, kind, hint, line
               />
             ))}
             <Button aria-label={`Remove line ${place + 1} of ${title}`} onClick={() => { onChange(lines.filter((_, at) => at !== place)); }}>
-              <Icon sign="cross" size={10} />
+              <Icon icon="cross" size={10} />
             </Button>
             {fault !== undefined ? <p className={styles.fault}>{fault}</p> : axis?.values && <p className={styles.understood}>{valuesWords(axis)}</p>}
           </div>
@@ -103,8 +103,8 @@ function Form({ draft, change, read, estimate }: FormProps) {
       <Lines title="Draws" kind="draws" hint="0.5 .. 1.5 or 2.35 ± 0.1" lines={draft.draws} fields={[["path", "parameter"], ["distribution", "distribution"]]} paths={paths} fresh={{ path: "", distribution: "" }} onChange={(draws) => { change({ draws }); }} read={read} estimate={estimate} />
       {draft.draws.length > 0 && (
         <div className={styles.pair}>
-          <TextInput label="Draws of each" value={draft.count} error={read.faults.get("count")} onChange={(event) => { change({ count: event.currentTarget.value }); }} />
-          <Choice label="Spread" value={draft.method} data={METHODS} onChange={(method) => { change({ method }); }} />
+          <TextInput label="Number of draws" value={draft.count} error={read.faults.get("count")} onChange={(event) => { change({ count: event.currentTarget.value }); }} />
+          <Choice label="Sampling method" value={draft.method} data={METHODS} onChange={(method) => { change({ method }); }} />
         </div>
       )}
       <div className={styles.pair}>
@@ -125,7 +125,7 @@ function Start({ request, faults, estimate, refusal, onStarted }: {
 }) {
   const [busy, setBusy] = useState(false);
   const [refused, setRefused] = useState<{ readonly by: Refusal; readonly request: StudyRequest } | null>(null);
-  const against = useReasonByRole("operator");
+  const disabledReason = useReasonByRole("operator");
   const start = async (wanted: StudyRequest): Promise<void> => {
     setBusy(true);
     setRefused(null);
@@ -139,17 +139,17 @@ function Start({ request, faults, estimate, refusal, onStarted }: {
     }
   };
   const trouble = (refused?.request.study === request?.study ? refused?.by : null) ?? refusal;
-  const words = request === null ? `${faults === 1 ? "One thing" : `${faults} things`} to correct first.` : estimate === null ? "Asking the service how long it takes." : estimateWords(estimate);
+  const words = request === null ? `${faults === 1 ? "One thing" : `${faults} things`} to correct first.` : estimate === null ? "Estimating how long it takes." : estimateWords(estimate);
   return (
     <>
       {trouble === null && <p className={styles.estimate} role="status">{words}</p>}
       {trouble && (
         <div className={styles.trouble} role="alert">
-          <Icon sign="error" /> <strong>{trouble.message}</strong> <span>{trouble.tip}</span>
+          <Icon icon="error" /> <strong>{trouble.message}</strong> <span>{trouble.tip}</span>
         </div>
       )}
-      <Button variant="filled" disabled={busy || request === null || against !== null} title={against ?? undefined} onClick={() => { if (request !== null) void start({ ...request, confirm: estimate?.confirmation_needed ?? false }); }}>
-        {busy ? "Asking the service" : estimate?.confirmation_needed ? "Start it all the same" : "Start"}
+      <Button variant="filled" disabled={busy || request === null || disabledReason !== null} title={disabledReason ?? undefined} onClick={() => { if (request !== null) void start({ ...request, confirm: estimate?.confirmation_needed ?? false }); }}>
+        {busy ? "Starting" : estimate?.confirmation_needed ? "Start anyway" : "Start"}
       </Button>
     </>
   );
@@ -169,7 +169,7 @@ export function NewStudy({ onStarted }: { readonly onStarted: (id: string) => vo
           The paper&apos;s 484 cells
         </Button>
         <Button aria-expanded={open === "own"} onClick={toggle("own")}>
-          A study of my own
+          Custom study
         </Button>
         {open === "own" && <Form draft={draft} change={(part) => { setDraft({ ...draft, ...part }); }} read={own} estimate={estimate} />}
         {open !== null && <Start request={request} faults={own.faults.size} estimate={estimate} refusal={refusal} onStarted={(id) => { setOpen(null); onStarted(id); }} />}

@@ -5,7 +5,7 @@ import { ConfirmButton } from "../../ui/ConfirmButton";
 import { EmptyPage } from "../../ui/EmptyPage";
 import { Panel } from "../../ui/Panel";
 import { go } from "../../store/route";
-import { useDoing } from "../../api/use-doing";
+import { useAction } from "../../api/use-action";
 import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
 import type { StudyDetail, StudySummary } from "../../api/types";
 import { fixed } from "../../units/units";
@@ -17,7 +17,7 @@ import styles from "./StudiesPage.module.css";
 import { StudyResults } from "./StudyResults";
 import { StudyView } from "./StudyView";
 import { isUnderWay, useReadAgain, useStudies, useStudy } from "./use-study";
-import { span } from "./words";
+import { span } from "./labels";
 
 function progressWords({ status, progress, note }: StudySummary): string {
   const cells = `${progress.done} of ${progress.total} cells`;
@@ -42,9 +42,9 @@ function StudyItem({ study, chosen }: { readonly study: StudySummary; readonly c
 }
 
 function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly onChange: () => Promise<void> }) {
-  const { doing: asked, refusal } = useDoing();
-  const againstDeleting = useReasonByRole("admin");
-  const doing = (work: () => Promise<unknown>) => asked(() => work().then(onChange));
+  const { runAction: asked, refusal } = useAction();
+  const deletingDisabledReason = useReasonByRole("admin");
+  const runAction = (work: () => Promise<unknown>) => asked(() => work().then(onChange));
   const rate = study.progress.cells_per_second;
   const remove = async () => {
     await deleteStudy(study.id);
@@ -55,12 +55,12 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
       <h2>{study.name}</h2>
       <span role="status">
         {progressWords(study)}
-        {typeof rate === "number" && `, ${fixed(rate, 1)} a second`}
+        {typeof rate === "number" && `, ${fixed(rate, 1)} per second`}
       </span>
       <span className={styles.spring} />
-      {isUnderWay(study) && <RoleButton needs="operator" onClick={() => void doing(() => cancelStudy(study.id))}>Cancel</RoleButton>}
-      {(study.status === "cancelled" || study.status === "failed") && <RoleButton needs="operator" onClick={() => void doing(() => resumeStudy(study.id))}>Go on</RoleButton>}
-      {!isUnderWay(study) && <ConfirmButton label="Delete" question="Delete for good?" against={againstDeleting} onConfirm={() => void doing(remove)} />}
+      {isUnderWay(study) && <RoleButton needs="operator" onClick={() => void runAction(() => cancelStudy(study.id))}>Cancel</RoleButton>}
+      {(study.status === "cancelled" || study.status === "failed") && <RoleButton needs="operator" onClick={() => void runAction(() => resumeStudy(study.id))}>Resume</RoleButton>}
+      {!isUnderWay(study) && <ConfirmButton label="Delete" question="Delete permanently?" disabledReason={deletingDisabledReason} onConfirm={() => void runAction(remove)} />}
       {study.notices.length > 0 && <p>{study.notices.join("; ")}</p>}
       {refusal && <p role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
     </header>
@@ -70,7 +70,7 @@ function StudyHead({ study, onChange }: { readonly study: StudyDetail; readonly 
 const NO_STUDY = {
   title: "What would happen if …?",
   words:
-    "A study flies many captures that differ in chosen parameters, and draws what came out. Begin with the paper's 484 cells: their map fills beside the published one, and every cell opens as a flight in the scene.",
+    "A study runs many captures with varied parameters and maps their results. Start with the paper's 484 cells: their map fills beside the published one, and every cell opens as a run in the scene.",
 };
 
 export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
@@ -80,7 +80,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
   const readAgain = useReadAgain();
   const study = view.study;
   const missing = item === "" ? null : view.refusal;
-  const empty = item === "" || missing !== null ? NO_STUDY : { title: "Reading the study", words: "" };
+  const empty = item === "" || missing !== null ? NO_STUDY : { title: "Loading the study", words: "" };
   const cell = selection?.study === item ? selection.cell : null;
   return (
     <main className={styles.page} hidden={!shown}>
@@ -88,7 +88,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
         <NewStudy onStarted={(id) => { void readAgain(); go("studies", id); }} />
         <Panel title="Studies" grow aside={<span className={styles.count}>{studies.length > 0 ? studies.length : ""}</span>}>
           {refusal && <p className={styles.hint}>{refusal.message}</p>}
-          {read && studies.length === 0 && <p className={styles.hint}>None yet.</p>}
+          {read && studies.length === 0 && <p className={styles.hint}>No studies yet.</p>}
           <ul className={styles.list}>
             {studies.map((each) => (
               <StudyItem key={each.id} study={each} chosen={each.id === item} />
@@ -101,7 +101,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
       </div>
       {study === null ? (
         <EmptyPage
-          label="No study chosen"
+          label="No study selected"
           title={missing?.message ?? empty.title}
           words={missing?.tip ?? empty.words}
         />

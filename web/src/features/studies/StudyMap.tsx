@@ -1,7 +1,7 @@
 /** The map of a grid study as one SVG: a panel for each value of the third axis, the published ones beside. */
 import { memo, type SVGProps } from "react";
 import type { StudyDetail, StudyRow } from "../../api/types";
-import { FAILED_LOOK, inOrder, lookOf } from "../glossary/class-style";
+import { FAILED_STYLE, inOrder, classStyle } from "../glossary/class-style";
 import { FIGURE_FONT } from "../../ui/export/figure-file";
 import { shown as shownUnit, plain } from "../../units/units";
 import { axisTitle, geometryWith, LABEL_SIZE, LEGEND_MARGIN, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";
@@ -60,22 +60,22 @@ function colouringOf(range: readonly [number, number] | null, paper: Paper): Col
   const fraction = (value: number): number => (high > low ? (value - low) / (high - low) : 0.5);
   return {
     colour: (shown) => {
-      if (shown.kind === "class") return lookOf(shown.name).colour;
+      if (shown.kind === "class") return classStyle(shown.name).colour;
       if (shown.kind === "number") return viridis(fraction(shown.value));
-      return shown.kind === "failed" ? FAILED_LOOK.colour : paper.empty;
+      return shown.kind === "failed" ? FAILED_STYLE.colour : paper.empty;
     },
     ink: (shown) => (shown.kind === "number" ? inkOn(fraction(shown.value)) : INK),
     letter: (shown) => {
-      if (shown.kind === "class") return lookOf(shown.name).letter;
-      return shown.kind === "failed" ? FAILED_LOOK.letter : "";
+      if (shown.kind === "class") return classStyle(shown.name).letter;
+      return shown.kind === "failed" ? FAILED_STYLE.letter : "";
     },
   };
 }
 
 function words(shown: Shown): string {
-  if (shown.kind === "class") return `${lookOf(shown.name).words}${shown.share < 1 ? ` (${Math.round(100 * shown.share)} %)` : ""}`;
+  if (shown.kind === "class") return `${classStyle(shown.name).words}${shown.share < 1 ? ` (${Math.round(100 * shown.share)} %)` : ""}`;
   if (shown.kind === "number") return plain(shown.value);
-  return shown.kind === "failed" ? FAILED_LOOK.words : "not flown yet";
+  return shown.kind === "failed" ? FAILED_STYLE.words : "not run yet";
 }
 
 interface PanelProps extends MapProps {
@@ -174,7 +174,7 @@ function cellOf(props: PanelProps, place: Panel["places"][number]): CellProps {
     colour: colouring.colour(shown),
     ink: colouring.ink(shown),
     letter: colouring.letter(shown),
-    label: `${where}: ${words(shown)}${differs ? `; published ${lookOf(theirs).words}` : ""}`,
+    label: `${where}: ${words(shown)}${differs ? `; published ${classStyle(theirs).words}` : ""}`,
     shown: shown.kind === "class" ? shown.name : shown.kind,
     differs,
     chosen,
@@ -233,7 +233,7 @@ function MapPanel(props: PanelProps) {
   );
 }
 
-const legendWords = (names: readonly string[], compared: boolean): string[] => [...names.map((name) => lookOf(name).words), ...(compared ? ["differs from the paper"] : [])];
+const legendWords = (names: readonly string[], compared: boolean): string[] => [...names.map((name) => classStyle(name).words), ...(compared ? ["differs from the paper"] : [])];
 
 function ClassLegend({ names, paper, compared, x, y, width }: { readonly names: readonly string[]; readonly paper: Paper; readonly compared: boolean; readonly x: number; readonly y: number; readonly width: number }) {
   const texts = legendWords(names, compared);
@@ -242,13 +242,13 @@ function ClassLegend({ names, paper, compared, x, y, width }: { readonly names: 
     <g>
       {texts.map((text, number) => {
         const name = names[number];
-        const look = name === undefined ? { colour: paper.page, letter: "" } : lookOf(name);
+        const style = name === undefined ? { colour: paper.page, letter: "" } : classStyle(name);
         const place = places[number] ?? { x: 0, line: 0 };
         return (
           <g key={text} transform={`translate(${x + place.x} ${y + place.line * LEGEND_STEP})`}>
-            <rect width={15} height={15} fill={look.colour} stroke={name === undefined ? paper.ink : paper.line} strokeWidth={name === undefined ? 2 : 1} {...(name === undefined ? { strokeDasharray: "3 2" } : {})} />
+            <rect width={15} height={15} fill={style.colour} stroke={name === undefined ? paper.ink : paper.line} strokeWidth={name === undefined ? 2 : 1} {...(name === undefined ? { strokeDasharray: "3 2" } : {})} />
             <text x={7.500} y={11.300} textAnchor="middle" fontSize={10} fill={INK}>
-              {look.letter}
+              {style.letter}
             </text>
             <text x={20} y={11.500} fontSize={TITLE_SIZE} fill={paper.ink}>
               {text}

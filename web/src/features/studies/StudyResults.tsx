@@ -3,7 +3,7 @@ import { Panel } from "../../ui/Panel";
 import { Term } from "../glossary/Term";
 import type { StudyDetail } from "../../api/types";
 import { fixed, plain, shown } from "../../units/units";
-import { lookOf } from "../glossary/class-style";
+import { classStyle } from "../glossary/class-style";
 import styles from "./StudiesPage.module.css";
 
 const digits = (value: number): string => plain(Number(value.toPrecision(3)));
@@ -24,10 +24,10 @@ function OutcomeTable({ study }: { readonly study: StudyDetail }) {
         {study.outcomes.map((share) => (
           <tr key={share.outcome}>
             <td>
-              <span className={styles.swatch} style={{ background: lookOf(share.outcome).colour }} aria-hidden="true">
-                {lookOf(share.outcome).letter}
+              <span className={styles.swatch} style={{ background: classStyle(share.outcome).colour }} aria-hidden="true">
+                {classStyle(share.outcome).letter}
               </span>
-              <Term term={share.outcome}>{lookOf(share.outcome).words}</Term>
+              <Term term={share.outcome}>{classStyle(share.outcome).words}</Term>
             </td>
             <td>{share.cells}</td>
             <td>

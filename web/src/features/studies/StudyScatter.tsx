@@ -2,7 +2,7 @@
 import { scaleLinear, scaleLog } from "d3-scale";
 import { memo } from "react";
 import type { StudyDetail } from "../../api/types";
-import { FAILED_LOOK, lookOf } from "../glossary/class-style";
+import { FAILED_STYLE, classStyle } from "../glossary/class-style";
 import { plain } from "../../units/units";
 import { axisTitle, LABEL_SIZE, LEGEND_STEP, legendPlaces, TITLE_SIZE, type Frame } from "./geometry";
 import type { Axis } from "./layout";
@@ -93,10 +93,10 @@ function Marks({ props, across, up, upright }: { readonly props: ScatterProps; r
         const [atX, atY] = [row[x.path], row[upright]];
         if (typeof atX !== "number" || typeof atY !== "number") return null;
         const shown = shownAt([row], column);
-        const look = shown.kind === "class" ? lookOf(shown.name) : FAILED_LOOK;
-        const colour = shown.kind === "number" && range !== null ? viridis((shown.value - range[0]) / (range[1] - range[0] || 1)) : look.colour;
-        const words = `${axisTitle(x)} ${plain(Number(atX.toPrecision(4)))}: ${shown.kind === "number" ? plain(Number(shown.value.toPrecision(4))) : look.words}`;
-        return <Mark key={cell} cell={cell} x={across.at(atX)} y={up.at(atY)} colour={colour} letter={shown.kind === "class" ? look.letter : ""} words={words} chosen={onSelect !== null && cell === selected} paper={paper} onSelect={onSelect} />;
+        const style = shown.kind === "class" ? classStyle(shown.name) : FAILED_STYLE;
+        const colour = shown.kind === "number" && range !== null ? viridis((shown.value - range[0]) / (range[1] - range[0] || 1)) : style.colour;
+        const words = `${axisTitle(x)} ${plain(Number(atX.toPrecision(4)))}: ${shown.kind === "number" ? plain(Number(shown.value.toPrecision(4))) : style.words}`;
+        return <Mark key={cell} cell={cell} x={across.at(atX)} y={up.at(atY)} colour={colour} letter={shown.kind === "class" ? style.letter : ""} words={words} chosen={onSelect !== null && cell === selected} paper={paper} onSelect={onSelect} />;
       })}
     </>
   );
@@ -107,17 +107,17 @@ function Legend({ props, x, y, width }: { readonly props: ScatterProps; readonly
   const range = rangeOf(rows.values(), column);
   const names = legendNames(rows, column, null);
   if (names.length === 0) return range && <NumberLegend range={range} title={columnTitle(study, column)} paper={paper} x={x} y={y} />;
-  const places = legendPlaces(names.map((name) => lookOf(name).words), width);
+  const places = legendPlaces(names.map((name) => classStyle(name).words), width);
   return (
     <g>
       {names.map((name, number) => (
         <g key={name} transform={`translate(${x + (places[number]?.x ?? 0)} ${y + (places[number]?.line ?? 0) * LEGEND_STEP})`}>
-          <circle cx={7} cy={7} r={6.500} fill={lookOf(name).colour} />
+          <circle cx={7} cy={7} r={6.500} fill={classStyle(name).colour} />
           <text x={7} y={10} fontSize={8.500} textAnchor="middle" fill={INK}>
-            {lookOf(name).letter}
+            {classStyle(name).letter}
           </text>
           <text x={20} y={11} fontSize={TITLE_SIZE} fill={paper.ink}>
-            {lookOf(name).words}
+            {classStyle(name).words}
           </text>
         </g>
       ))}

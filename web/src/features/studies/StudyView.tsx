@@ -96,9 +96,9 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
     <section className={styles.view} aria-label={`Study ${study.name}`}>
       {head}
       <div className={styles.toolbar}>
-        <Choice aria-label="Colour shows" value={column} data={columnsOf(study)} onChange={setColumn} />
+        <Choice aria-label="Colour by" value={column} data={columnsOf(study)} onChange={setColumn} />
         {spread && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
-        {published && <Switch size="xs" label="beside the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
+        {published && <Switch size="xs" label="show the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
         <span className={styles.spring} />
         <ExportMenu what="the map" name={`${fileName(study.name)}-${column}`} draw={draw} />
         <DownloadLink href={resultsAddress(study.id, "csv")} format="CSV" what="the table" />

@@ -18,7 +18,7 @@ interface ExportMenuProps {
   readonly name: string;
   /** The figure as it is when it is asked for: markup of one `<svg>`. */
   readonly draw: () => string;
-  /** A sign in place of the word, where room is short. */
+  /** An icon in place of the word, where room is short. */
   readonly compact?: boolean;
 }
 
@@ -32,17 +32,17 @@ export function ExportMenu({ what, name, draw, compact = false }: ExportMenuProp
         setTrouble(cause instanceof Error ? cause.message : String(cause));
       });
   };
-  const spoken = { "aria-label": `Export ${what}`, title: trouble ?? `Save ${what} as a picture on white` };
+  const spoken = { "aria-label": `Export ${what}`, title: trouble ?? `Export ${what} as an image` };
   return (
     <Menu position="bottom-end" withinPortal>
       <Menu.Target>
         {compact ? (
           <ActionIcon size={20} {...spoken}>
-            <Icon sign={trouble === null ? "download" : "warning"} size={11} />
+            <Icon icon={trouble === null ? "download" : "warning"} size={11} />
           </ActionIcon>
         ) : (
           <Button size="compact-xs" {...spoken}>
-            {trouble === null ? "Export" : "Not saved"}
+            {trouble === null ? "Export" : "Export failed"}
           </Button>
         )}
       </Menu.Target>

@@ -57,13 +57,13 @@ async function pngOf(markup: string): Promise<Blob> {
   canvas.width = Math.round(picture.naturalWidth * PNG_SCALE);
   canvas.height = Math.round(picture.naturalHeight * PNG_SCALE);
   const pen = canvas.getContext("2d");
-  if (pen === null) throw new Error("This browser draws no pictures.");
+  if (pen === null) throw new Error("This browser cannot draw images.");
   pen.fillStyle = "#ffffff";
   pen.fillRect(0, 0, canvas.width, canvas.height);
   pen.drawImage(picture, 0, 0, canvas.width, canvas.height);
   return new Promise((done, fail) => {
     canvas.toBlob((file) => {
-      if (file === null) fail(new Error("This picture is too large for the browser."));
+      if (file === null) fail(new Error("This image is too large for the browser."));
       else done(file);
     }, "image/png");
   });

@@ -1,5 +1,5 @@
-/** The console's few signs, drawn on a grid of 16; always beside words or with a label on their button. */
-const SIGNS = {
+/** The console's few icons, drawn on a grid of 16; always beside words or with a label on their button. */
+const ICONS = {
   stop: "M5.200 1.500h5.600l3.700 3.700v5.600l-3.700 3.700H5.200l-3.700-3.700V5.200z",
   play: "M4.500 2.800v10.400L13 8z",
   pause: "M5 3v10M11 3v10",
@@ -23,18 +23,18 @@ const SIGNS = {
   link: "M1.500 8a9 9 0 0 1 13 0M4 10.500a5.500 5.500 0 0 1 8 0M8 13.200v.1",
 } as const;
 
-export type Sign = keyof typeof SIGNS;
+export type IconName = keyof typeof ICONS;
 
-const FILLED: readonly Sign[] = ["stop", "play"];
+const FILLED: readonly IconName[] = ["stop", "play"];
 
-export function Icon({ sign, size = 14 }: { readonly sign: Sign; readonly size?: number }) {
-  const fill = FILLED.includes(sign) ? "currentColor" : "none";
+export function Icon({ icon, size = 14 }: { readonly icon: IconName; readonly size?: number }) {
+  const fill = FILLED.includes(icon) ? "currentColor" : "none";
   return (
     <svg width={size} height={size} viewBox="0 0 16 16" aria-hidden="true" style={{ flex: "none" }}>
-      <path d={SIGNS[sign]} fill={fill} stroke="currentColor" strokeWidth="1.6" strokeLinecap="round" strokeLinejoin="round" />
+      <path d={ICONS[icon]} fill={fill} stroke="currentColor" strokeWidth="1.6" strokeLinecap="round" strokeLinejoin="round" />
     </svg>
   );
 }
 
-/** The sign of a severity. */
-export const SEVERITY_SIGN = { info: "info", warning: "warning", error: "error" } as const satisfies Record<string, Sign>;
+/** The icon of a severity. */
+export const SEVERITY_ICON = { info: "info", warning: "warning", error: "error" } as const satisfies Record<string, IconName>;

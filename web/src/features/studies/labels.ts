@@ -17,7 +17,7 @@ export const counted = (count: number, one: string, many = `${one}s`): string =>
 /** How large a study would be and how long it would take, in one or two sentences. */
 export function estimateWords({ cells, seconds, measuring, basis, studies_before: before }: StudyEstimate): string {
   const time = measuring ? "; measuring how long they take" : seconds === null ? `; how long they take is not known: ${basis}` : `, ${about(seconds)}`;
-  const after = before > 0 ? ` It begins after ${counted(before, "study that flies or waits", "studies that fly or wait")}.` : "";
+  const after = before > 0 ? ` It starts after ${counted(before, "study that runs or waits", "studies that run or wait")}.` : "";
   return `${counted(cells, "cell")}${time}.${after}`;
 }
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { changeWords, changesTitle, configurationWords, damageWords, statusWords } from "./words";
+import { changeWords, changesTitle, configurationWords, damageWords, statusWords } from "./labels";
 
 const damping = { path: "control.impedance.damping", title: "Virtual damping", unit: "N s/m", configured: 1.5, value: 3 };
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { LinkStatus, StreamStatus } from "../../api/types";
-import { age, holderOf, milliseconds, modeOf, offsetWords, streamWord } from "./words";
+import { age, holderOf, milliseconds, modeOf, offsetWords, streamWord } from "./labels";
 
 const ROBOT: NonNullable<LinkStatus["robot"]> = {
   age: 0.02,
@@ -58,7 +58,7 @@ describe("the robot's mode", () => {
     const modes = ["following", "waiting", "holding", "stopped", null] as const;
     const told = modes.map((mode) => modeOf({ ...LINK, robot: { ...ROBOT, mode } }));
     expect(new Set(told.map(({ word }) => word)).size).toBe(modes.length);
-    expect(new Set(told.map(({ sign }) => sign)).size).toBe(modes.length);
+    expect(new Set(told.map(({ icon }) => icon)).size).toBe(modes.length);
   });
 
   it("says whom it follows", () => {
@@ -70,12 +70,12 @@ describe("the robot's mode", () => {
     const silent = modeOf({ ...LINK, robot: { ...ROBOT, age: 2.34 } });
     expect(silent.word).toBe("Silent");
     expect(silent.detail).toContain("2.3 s ago: following");
-    expect(modeOf({ ...LINK, robot: null }).word).toBe("Not heard");
+    expect(modeOf({ ...LINK, robot: null }).word).toBe("No robot");
   });
 
   it("gives the robot's own reason", () => {
     const holding = modeOf({ ...LINK, held: false, robot: { ...ROBOT, mode: "holding", why: "no heartbeat for 104 ms" } });
-    expect(holding.detail).toBe("No heartbeat for 104 ms. A reset takes it again.");
+    expect(holding.detail).toBe("No heartbeat for 104 ms. Reset to take it over again.");
   });
 });
 

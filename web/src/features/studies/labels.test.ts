@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { about, estimateWords, span, valuesWords } from "./words";
+import { about, estimateWords, span, valuesWords } from "./labels";
 
 const estimate = { cells: 484, axes: [], seconds: 71.4, measuring: false, basis: "6 of its cells", age: 1, studies_before: 0, confirmation_needed: false };
 
@@ -13,7 +13,7 @@ describe("an estimate", () => {
   it("says what is not known yet, and what comes first", () => {
     expect(estimateWords({ ...estimate, seconds: null, measuring: true })).toBe("484 cells; measuring how long they take.");
     expect(estimateWords({ ...estimate, seconds: null, basis: "no worker" })).toBe("484 cells; how long they take is not known: no worker.");
-    expect(estimateWords({ ...estimate, studies_before: 2 })).toBe("484 cells, about 1 min 11 s. It begins after 2 studies that fly or wait.");
+    expect(estimateWords({ ...estimate, studies_before: 2 })).toBe("484 cells, about 1 min 11 s. It starts after 2 studies that run or wait.");
   });
 });
 

@@ -1,13 +1,13 @@
-/** Something asked of the service from a panel: whether it is under way, and what the service said against it. */
+/** A request that a panel makes of the service: whether it is under way, and its refusal. */
 import { useState } from "react";
 import { Refusal } from "./refusal";
 
-export type Doing = (work: () => Promise<unknown>) => Promise<void>;
+export type RunAction = (work: () => Promise<unknown>) => Promise<void>;
 
-export function useDoing(): { readonly doing: Doing; readonly waiting: boolean; readonly refusal: Refusal | null } {
+export function useAction(): { readonly runAction: RunAction; readonly waiting: boolean; readonly refusal: Refusal | null } {
   const [waiting, setWaiting] = useState(false);
   const [refusal, setRefusal] = useState<Refusal | null>(null);
-  const doing: Doing = async (work) => {
+  const runAction: RunAction = async (work) => {
     setWaiting(true);
     setRefusal(null);
     try {
@@ -19,5 +19,5 @@ export function useDoing(): { readonly doing: Doing; readonly waiting: boolean; 
       setWaiting(false);
     }
   };
-  return { doing, waiting, refusal };
+  return { runAction, waiting, refusal };
 }
