@@ -93,7 +93,7 @@ class ParameterSchema(BaseModel):
     json_schema: dict[str, Any]
 
 
-@router.get("/mission/config")
+@router.get("/mission/config", responses=responses(422))
 async def config(services: ServicesDep, response: Response, if_none_match: IfNoneMatch = None) -> ConfigBody:
     """The configuration in force, and how it differs from the named one it began as."""
     return tagged(_body(services), response, if_none_match)
@@ -140,7 +140,7 @@ async def change_config(
     return _body(services)
 
 
-@router.get("/mission/config/schema", response_model=ParameterSchema)
+@router.get("/mission/config/schema", response_model=ParameterSchema, responses=responses(422))
 async def config_schema(if_none_match: IfNoneMatch = None) -> Response:
     """Every parameter with unit, bounds, default and source."""
     return known_or_new(_schema(), if_none_match)
@@ -153,7 +153,7 @@ def _schema() -> bytes:
     return schema.model_dump_json().encode()
 
 
-@router.get("/configurations", response_model=list[ConfigurationBody])
+@router.get("/configurations", response_model=list[ConfigurationBody], responses=responses(422))
 async def configurations(if_none_match: IfNoneMatch = None) -> Response:
     """The named configurations."""
     return known_or_new(_configurations(), if_none_match)
