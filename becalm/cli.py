@@ -421,6 +421,7 @@ def robot(
     """Emulate the air-bearing testbed in real time, with its noise, delays, drag and faults."""
     if not listen and not connect:
         raise ConfigError("--listen or --connect is needed", tip="for example --listen tcp/127.0.0.1:7447")
+    end_when_asked()
     from becalm import robot as emulated  # noqa: PLC0415 - the simulation takes a second to load
 
     transport = {
