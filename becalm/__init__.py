@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from server.versions import becalm_version
 from sim.capture.run import RunResult, run_capture
-from sim.capture.snapshot import Outcome, OutcomeClass, Snapshot
 from sim.config import MissionConfig
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
 from sim.errors import CaptureError, ConfigError, MissionRefused, PlantDiverged, RunNotFound
+from sim.snapshot import Outcome, OutcomeClass, Snapshot
 
 if TYPE_CHECKING:
     from becalm.calls import ProxyUnusable, ServiceRefused, ServiceUnreachable

@@ -48,7 +48,7 @@ SERVE_EXAMPLES = """\b
 Examples:
   becalm serve
   becalm serve --port 8080 --no-open
-  becalm serve --configuration published --set control.impedance.damping=3.0
+  becalm serve --configuration published --set published.impedance.damping=3.0
   becalm serve --plant zenoh --connect tcp/127.0.0.1:7447
   becalm serve --settings lab.toml --check
 
@@ -59,7 +59,7 @@ A settings file (TOML or JSON) names settings as the options do, with underscore
   log_format = "json"
 \b
   [changes]                    # of parameters, as --config takes them
-  control.impedance.damping = 3.0
+  published.impedance.damping = 3.0
 
 \b
 Every option but --set, --config, --check, --json and --open has a variable, such as
@@ -71,7 +71,7 @@ Examples:
   becalm run
   becalm run --direct --json
   becalm run --configuration published_figures --log capture.mcap
-  becalm run --set target.initial_spin=0.8 --set control.impedance.mass=0.05 --seed 7
+  becalm run --set target.initial_spin=0.8 --set published.impedance.mass=0.05 --seed 7
 """
 
 ROBOT_EXAMPLES = """\b
@@ -110,8 +110,8 @@ A study file (TOML or JSON) names a configuration and what varies over it:
   contact.friction = 0.25
 \b
   [grid]
-  control.impedance.damping = { from = 0.0, to = 6.0, step = 1.5 }
-  control.impedance.mass = [0.05, 0.1]
+  published.impedance.damping = { from = 0.0, to = 6.0, step = 1.5 }
+  published.impedance.mass = [0.05, 0.1]
 \b
   [samples]
   count = 64

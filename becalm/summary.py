@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from server.library.folder import RunRecord
-from sim.capture.snapshot import Outcome
+from sim.snapshot import Outcome
 
 _HEADLINES = {
     "caged_force_reduced": "Caged, with less force than direct caging",

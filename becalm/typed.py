@@ -90,7 +90,7 @@ def parse_setting(setting: str) -> dict[str, Any]:
     path, equals, text = setting.partition("=")
     path = path.strip()
     if not equals:
-        raise ConfigError(f"--set {setting!r} has no value; write PATH=VALUE, such as control.impedance.damping=3.0")
+        raise ConfigError(f"--set {setting!r} has no value; write PATH=VALUE, such as published.impedance.damping=3.0")
     if path not in PARAMETERS:
         raise ConfigError(f"--set {unknown_parameter(path)}")
     return nested({path: _value(path, text)})

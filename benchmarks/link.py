@@ -3,7 +3,7 @@
     python -m benchmarks.link                        20 seeds with the testbed's defaults
     python -m benchmarks.link --seeds 3 --idle 600   and ten minutes of watching for lost states
     python -m benchmarks.link --realtime             on a machine that does much beside it
-    python -m benchmarks.link --set control.impedance.damping=1.5 --set control.impedance.stiffness=10
+    python -m benchmarks.link --set published.impedance.damping=1.5 --set published.impedance.stiffness=10
 
 The robot is restarted with each seed, so the target spins as at the start; an operator's reset takes it again.
 """

@@ -1,7 +1,7 @@
 """How good the control over the link is with the testbed's imperfections, apart from how busy this machine is.
 
     python -m benchmarks.link_control                                  20 seeds with the defaults
-    python -m benchmarks.link_control --set control.impedance.damping=1.5 --set control.impedance.stiffness=10
+    python -m benchmarks.link_control --set published.impedance.damping=1.5 --set published.impedance.stiffness=10
     python -m benchmarks.link_control --ideal                          perfect sensors, no drag, no tilt, no delay
 
 Both ends in one process and in virtual time: the plant on its air table, its sensors, the bytes of the wire, motion
@@ -25,7 +25,6 @@ from server.link.imperfections import Imperfections, Sensors
 from server.link.perception import Perception
 from server.link.robot_emulator import GRAVITY
 from sim.capture.mission import Mission
-from sim.capture.snapshot import Outcome
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import merged, named_configuration, revised
@@ -34,6 +33,7 @@ from sim.model.robot import chain, robot_model
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import PLANT_STATE, AirTable
 from sim.record import Record
+from sim.snapshot import Outcome
 
 CONTACT_THRESHOLD = 0.12
 SETTLING = 200

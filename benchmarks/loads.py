@@ -197,8 +197,8 @@ _STUDY = {
     "name": "huge",
     "configuration": "published",
     "grid": {
-        "control.impedance.damping": {"from": 0.0, "to": 15.0, "count": 200},
-        "control.impedance.stiffness": {"from": 0.0, "to": 100.0, "count": 200},
+        "published.impedance.damping": {"from": 0.0, "to": 15.0, "count": 200},
+        "published.impedance.stiffness": {"from": 0.0, "to": 100.0, "count": 200},
     },
 }
 

@@ -26,10 +26,9 @@ from sim.capture.run import run_capture
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
-from sim.control.admittance import admittance_transition
-from sim.control.controller import begin_sequence, control
 from sim.control.memory import MEMORY
-from sim.control.phases import Command, Phase, Sequence
+from sim.control.phases import Command, Phase, Sequence, Verdict
+from sim.method.method import MethodHandle, begin_sequence, decide, method_of
 from sim.model.robot import LINKS, Chain, chain
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
 from sim.plant.plant import PLANT_STATE, advance_plant
@@ -94,10 +93,10 @@ def _judged_ticks(
 
 @compiled
 def _controlled_ticks(
-    handle: PymunkHandle, parameters: Record, transition: FloatArray, memory: Record, state: Record, flown: Ticks
+    handle: PymunkHandle, method: MethodHandle, parameters: Record, memory: Record, state: Record, flown: Ticks
 ) -> None:
     for row in flown:
-        control(memory, parameters, transition, handle.robot, state, _seen(handle, state, row))
+        decide(method, memory, parameters, handle.robot, state, _seen(handle, state, row), Verdict.NONE)
 
 
 @compiled
@@ -116,7 +115,8 @@ def tick_shares() -> dict[str, float]:
     The parts fly the same motion again: arms at rest would leave pymunk's collision tree nothing to do.
     """
     config = MissionConfig()
-    transition = admittance_transition(config.control.impedance, config.control.period)
+    chosen = method_of(config)
+    method = chosen.handle(config, np.zeros(1, chosen.memory))
     memory, notes, state = (np.zeros(1, kind)[0] for kind in (MEMORY, JUDGEMENT, PLANT_STATE))
     plants = iter([PymunkPlant(config) for _ in range(2 * ROUNDS + 2)])
     handle, parameters = PymunkPlant(config).handle, record_of(config)
@@ -131,8 +131,8 @@ def tick_shares() -> dict[str, float]:
         _plant_ticks(plant.handle, parameters, plant.state, rates)
 
     def steer() -> None:
-        begin_sequence(memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
-        _controlled_ticks(handle, parameters, transition, memory, state, flown)
+        begin_sequence(method, memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
+        _controlled_ticks(handle, method, parameters, memory, state, flown)
 
     def look() -> None:
         begin_judgement(notes, 0.0, state["momentum"])

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from sim.capture.events import Severity
-from sim.capture.snapshot import Published, Snapshot
+from sim.snapshot import Published, Snapshot
 
 ArmedCommand = Literal["capture", "detumble", "cage", "direct_cage", "release", "reset", "configure"]
 """What may be armed: it moves the robot, or takes it for another mission."""

@@ -25,8 +25,8 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-_ROOMS = ("model", "control", "plant", "capture")
-"""Where compiled functions live."""
+_ABOVE = "study"
+"""The room that nothing compiled calls into: its own few functions numba looks at by itself."""
 
 
 def cache_folder() -> Path:
@@ -36,7 +36,7 @@ def cache_folder() -> Path:
     """
     room = Path(__file__).parent
     digest = hashlib.sha256()
-    sources = [*room.glob("*.py"), *(path for name in _ROOMS for path in (room / name).glob("*.py"))]
+    sources = [path for path in room.rglob("*.py") if path.relative_to(room).parts[0] != _ABOVE]
     for path in sorted(sources):
         digest.update(path.relative_to(room).as_posix().encode() + b"\0" + path.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or _users_folder() or _temporary_folder()

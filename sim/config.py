@@ -14,12 +14,11 @@ from collections.abc import Iterator, Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import AfterValidator, BaseModel, Field, model_validator
 
+from sim.method.registry import MethodGroups, MethodName
+from sim.parameters import LIVE, ConfigModel, Number, WholeNumber, parameter
 from sim.schema_history import VERSION, config_version
-
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-WholeNumber = Annotated[int, Field(strict=True)]
 
 
 def _todays(version: int) -> int:
@@ -33,31 +32,6 @@ NamesVersion = Annotated[WholeNumber, AfterValidator(_todays)]
 
 _MOST_STEPS = 100
 """Physics steps in one tick: what a live mission can still be stopped between."""
-
-LIVE = "live"
-"""Marks a parameter that may change while a mission flies; the others take a reset."""
-
-
-def parameter(
-    default: Any,
-    description: str,
-    *,
-    unit: str,
-    source: str,
-    live: bool = False,
-    gt: float | None = None,
-    ge: float | None = None,
-    le: float | None = None,
-) -> Any:
-    """A field of the configuration with its unit, bounds, default and source in the schema."""
-    extra: dict[str, JsonValue] = {"unit": unit, "source": source, LIVE: live}
-    return Field(default, description=description, json_schema_extra=extra, gt=gt, ge=ge, le=le)
-
-
-class ConfigModel(BaseModel):
-    """Frozen, nothing unknown, no NaN: the base of every part of the configuration."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
 class CornerContact(StrEnum):
@@ -289,156 +263,6 @@ class ContactConfig(ConfigModel):
     )
 
 
-class ImpedanceConfig(ConfigModel):
-    """Virtual impedance of a hand in admittance control, times identity on (x, y, angle) (eq. 3)."""
-
-    mass: Number = parameter(
-        0.10, "Virtual mass m", unit="kg", source="Sec. IV-B, representative case", gt=1e-4, le=100, live=True
-    )
-    damping: Number = parameter(
-        1.5, "Damping d", unit="N s/m", source="Sec. IV-B, representative case", ge=0, le=1e4, live=True
-    )
-    stiffness: Number = parameter(
-        10.0, "Stiffness k", unit="N/m", source="Sec. IV-B, representative case", ge=0, le=1e5, live=True
-    )
-
-
-class TouchConfig(ConfigModel):
-    """Where, how and when a hand touches the target to slow it (eq. 4, 5)."""
-
-    contact_position: Number = parameter(
-        0.75,
-        "alpha: contact point on the face, 0 at its middle, 1 at its corner",
-        unit="1",
-        source="authors; Table II prints 0.8",
-        ge=0,
-        le=1,
-        live=True,
-    )
-    hand_tilt: Number = parameter(
-        math.radians(5),
-        "beta: tilt of the hand beyond the target's at contact",
-        unit="rad",
-        source="authors; Table II prints 0.175",
-        ge=0,
-        le=0.7,
-        live=True,
-    )
-    target_tilt: Number = parameter(
-        math.radians(18),
-        "gamma: tilt of the target's face at contact",
-        unit="rad",
-        source="authors; Table II prints 0.175",
-        ge=0,
-        le=0.7,
-        live=True,
-    )
-    minimum_approach_time: Number = parameter(
-        1.0, "Shortest time to the waiting point", unit="s", source="authors", gt=0, le=60, live=True
-    )
-    wait_margin: Number = parameter(
-        1.03, "Waiting point: factor on the corner circle's radius", unit="1", source="authors", ge=1, le=2, live=True
-    )
-    contact_time_factor: Number = parameter(
-        0.8,
-        "Hand at the contact point after this part of the target's own time",
-        unit="1",
-        source="authors",
-        gt=0,
-        le=1,
-        live=True,
-    )
-    absorb_time: Number = parameter(
-        0.35,
-        "D: from the last contact to the next plan",
-        unit="s",
-        source="authors: impedance duration",
-        gt=0,
-        le=10,
-        live=True,
-    )
-    admittance_fraction: Number = parameter(
-        0.8,
-        "Part of D under admittance; joints are held for the rest",
-        unit="1",
-        source="authors",
-        gt=0,
-        le=1,
-        live=True,
-    )
-    idle_arm_distance_factor: Number = parameter(
-        1.2,
-        "Idle arm shares the motion while its tips are farther than this times half the diagonal",
-        unit="1",
-        source="authors",
-        ge=0,
-        le=10,
-        live=True,
-    )
-    idle_arm_joint_limit: Number = parameter(
-        math.radians(30),
-        "... and every elbow and wrist is bent by more than this",
-        unit="rad",
-        source="authors",
-        ge=0,
-        le=3.2,
-        live=True,
-    )
-
-
-class CagingConfig(ConfigModel):
-    """When and how both hands enclose the target."""
-
-    spin_threshold: Number = parameter(
-        0.5, "Detumbling ends below this spin", unit="rad/s", source="Sec. IV-A", gt=0, le=20, live=True
-    )
-    switching_delay: Number = parameter(
-        0.5, "From spin below threshold to the caging plan", unit="s", source="authors", ge=0, le=60, live=True
-    )
-    slow_spin: Number = parameter(
-        0.3,
-        "Below it the hands turn to the target at once; above it they wait for its corner",
-        unit="rad/s",
-        source="authors",
-        ge=0,
-        le=20,
-        live=True,
-    )
-    minimum_approach_time: Number = parameter(
-        1.0, "Shortest time to the closing point", unit="s", source="authors", gt=0, le=60, live=True
-    )
-    close_margin: Number = parameter(
-        1.03,
-        "Closing point: factor on clearing the corner circle",
-        unit="1",
-        source="authors: wait margin",
-        ge=1,
-        le=2,
-        live=True,
-    )
-    capture_margin: Number = parameter(
-        1.05, "Final point: factor on touching the faces", unit="1", source="authors", ge=1, le=2, live=True
-    )
-    capture_time: Number = parameter(
-        0.6, "From the closing to the final point", unit="s", source="authors", gt=0, le=60, live=True
-    )
-    direct_capture_time: Number = parameter(
-        0.5, "The same in direct caging", unit="s", source="authors", gt=0, le=60, live=True
-    )
-    release_distance: Number = parameter(
-        0.20,
-        "Hand centres from the target's centre after a release",
-        unit="m",
-        source="chosen: the hands' distance at the start",
-        gt=0,
-        le=2,
-        live=True,
-    )
-    release_time: Number = parameter(
-        2.0, "Time of a release", unit="s", source="chosen: 0.05 m/s, slower than any approach", gt=0, le=60, live=True
-    )
-
-
 class TrackingConfig(ConfigModel):
     """PID on the hand's pose error beside the feed-forward."""
 
@@ -490,12 +314,9 @@ class RateConfig(ConfigModel):
 
 
 class ControlConfig(ConfigModel):
-    """The controller."""
+    """What the controllers of all methods share."""
 
     period: Number = parameter(1e-3, "Control period", unit="s", source="authors: step 1 ms", gt=1e-4, le=0.05)
-    impedance: ImpedanceConfig = ImpedanceConfig()
-    touch: TouchConfig = TouchConfig()
-    caging: CagingConfig = CagingConfig()
     tracking: TrackingConfig = TrackingConfig()
     rates: RateConfig = RateConfig()
 
@@ -614,11 +435,17 @@ class SimulationConfig(ConfigModel):
     )
 
 
-class MissionConfig(ConfigModel):
-    """Everything that a run depends on; stored with it."""
+class MissionConfig(MethodGroups):
+    """Everything that a run depends on; stored with it.
+
+    Beside what stands here it has a group for each method, by the method's name (`sim.method.registry`).
+    """
 
     version: NamesVersion = Field(
         default_factory=config_version, description="Of the parameters' names (`sim.schema_history`)"
+    )
+    method: MethodName = parameter(
+        MethodName("published"), "How the target is captured", unit="1", source="chosen: reproduces the paper"
     )
     robot: RobotConfig = RobotConfig()
     target: TargetConfig = TargetConfig()
@@ -660,7 +487,7 @@ def parameters_of(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[st
 
 
 PARAMETERS: Mapping[str, Any] = dict(parameters_of(MissionConfig))
-"""Full path, such as `control.impedance.damping`, to the pydantic field with unit, bounds, default and source."""
+"""Full path, such as `published.impedance.damping`, to the pydantic field with unit, bounds, default and source."""
 
 
 def is_live(path: str) -> bool:

@@ -18,18 +18,17 @@ from sim.config import (
     ContactConfig,
     ControlConfig,
     HandMount,
-    ImpedanceConfig,
     LinkConfig,
     MissionConfig,
     RobotConfig,
     ServoConfig,
     SimulationConfig,
     TargetConfig,
-    TouchConfig,
     TrackingConfig,
     value_at,
 )
 from sim.errors import ConfigError
+from sim.method.published.parameters import ImpedanceConfig, PublishedConfig, TouchConfig
 from sim.model.clearance import initial_overlap
 from sim.model.inertia import Outline, outlines
 from sim.schema_history import PARAMETER_CHANGES, change_of
@@ -60,13 +59,13 @@ def _printed() -> MissionConfig:
         robot=RobotConfig(base=base, arm=arm),
         target=TargetConfig(mass=2.35, inertia=9.33e-3),
         contact=ContactConfig(friction=0.1),
-        control=ControlConfig(touch=TouchConfig(contact_position=0.8, hand_tilt=0.175, target_tilt=0.175)),
+        published=PublishedConfig(touch=TouchConfig(contact_position=0.8, hand_tilt=0.175, target_tilt=0.175)),
     )
 
 
 def _figures() -> MissionConfig:
     """The impedance that fits the paper's figures (our inference, docs/method.md)."""
-    return MissionConfig(control=ControlConfig(impedance=ImpedanceConfig(mass=0.2, damping=0.1, stiffness=0.1)))
+    return MissionConfig(published=PublishedConfig(impedance=ImpedanceConfig(mass=0.2, damping=0.1, stiffness=0.1)))
 
 
 def _testbed() -> MissionConfig:
@@ -78,9 +77,9 @@ def _testbed() -> MissionConfig:
         robot=RobotConfig(servo=ServoConfig(hand_mount=HandMount.RIGID)),
         control=ControlConfig(
             period=0.005,
-            impedance=ImpedanceConfig(mass=0.1, damping=6.0, stiffness=50.0),
             tracking=TrackingConfig(proportional=2.5, integral=0.10),
         ),
+        published=PublishedConfig(impedance=ImpedanceConfig(mass=0.1, damping=6.0, stiffness=50.0)),
         simulation=SimulationConfig(time_step=1e-3),
     )
 
@@ -167,7 +166,7 @@ def require_bounded(changes: Mapping[str, Any]) -> None:
             raise ConfigError(f"changes = more than {MOST_CHANGES} names", tip=tip)
         if not level:
             return
-    tip = "a parameter's path has a few groups, such as control.impedance.damping"
+    tip = "a parameter's path has a few groups, such as published.impedance.damping"
     raise ConfigError(f"changes = more than {DEEPEST_CHANGE} levels", tip=tip)
 
 

@@ -39,7 +39,11 @@ def removed(old: str, why: str) -> Change:
     return Change(old, None, why)
 
 
-PARAMETER_CHANGES: tuple[Change, ...] = ()
+PARAMETER_CHANGES: tuple[Change, ...] = (
+    renamed("control.impedance", "published.impedance"),
+    renamed("control.touch", "published.touch"),
+    renamed("control.caging", "published.caging"),
+)
 """Paths of the configuration, in the order in which they changed: of runs, presets, studies, events and files."""
 
 TICK_CHANGES: tuple[Change, ...] = ()

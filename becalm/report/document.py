@@ -14,9 +14,9 @@ from becalm.report import maps, mechanism, signals
 from becalm.report.drawing import Frame, sequence
 from becalm.report.style import MARKS, Picture, look, picture
 from server.versions import becalm_version
-from sim.capture.snapshot import OutcomeClass
 from sim.configurations import named_configuration
-from sim.control.phases import Activity
+from sim.method.published.memory import Activity
+from sim.snapshot import OutcomeClass
 from sim.study.findings import Reproduction, authors_run
 from sim.study.reproduction import Example, Flown, Origin, impedance_of
 
@@ -130,7 +130,7 @@ def html(found: Reproduction, document: Mapping[str, Any], pictures: Mapping[str
     environment.filters["words"] = _words
     environment.filters["places"] = _places
     template = environment.get_template("report.html.j2")
-    impedance = found.captures.figures.config.control.impedance
+    impedance = found.captures.figures.config.published.impedance
     captures = {**document["captures"], "figures_impedance": impedance}
     return template.render(
         **{**document, "captures": captures},

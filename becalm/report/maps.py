@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from becalm.report.style import GREY, INK, MARKS, PALE, figure
-from sim.capture.snapshot import OutcomeClass
+from sim.snapshot import OutcomeClass
+from sim.study.capture_metrics import Stage
 from sim.study.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes
 from sim.study.reproduction import impedance_of
 from sim.study.run import Row
-from sim.study.watch import Stage
 
 _SIGNS = {Stage.TOUCH: "T", Stage.CLOSING: "C", Stage.AFTER_CLOSURE: "A"}
 _DARK_ABOVE = 0.55  # of the colour map: signs on darker cells are white

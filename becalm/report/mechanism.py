@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
-from sim.capture.snapshot import OutcomeClass
 from sim.config import MissionConfig
+from sim.snapshot import OutcomeClass
 from sim.study.first_touch import TouchState, effective_mass, lever_of, restitution
 from sim.study.foretelling import Foretold, quality
 from sim.study.published import DAMPING, MASS, STIFFNESS
@@ -45,7 +45,7 @@ def residual_spin(config: MissionConfig, cells: Sequence[Foretold]) -> Figure:
     chosen = [stiffnesses[place] for place in sorted({0, min(1, last), last // 2, last})]
     drawn = figure(7.4, 2.6)
     grid = drawn.subplots(1, len(masses), sharey=True, squeeze=False)
-    caging = config.control.caging
+    caging = config.published.caging
     for axes, mass in zip(grid[0], masses, strict=True):
         axes.axhspan(caging.slow_spin, caging.spin_threshold, color="#FBE9E0", linewidth=0, zorder=0)
         for stiffness, line in zip(chosen, _LINES[-len(chosen) :], strict=True):
@@ -68,7 +68,7 @@ def spin_and_drift(config: MissionConfig, cells: Sequence[Foretold], bound: floa
     """Every cell by what its first touch left: in flight to the left, by the planar model to the right."""
     drawn = figure(7.4, 3.2)
     row = drawn.subplots(1, 2, sharex=True, sharey=True)
-    caging = config.control.caging
+    caging = config.published.caging
     for axes, name in zip(row, ("measured", "planar"), strict=True):
         axes.axhspan(caging.slow_spin, caging.spin_threshold, color="#FBE9E0", linewidth=0, zorder=0)
         axes.axvspan(1e3 * bound, 60.0, color="#FBE9E0", linewidth=0, zorder=0)

@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from becalm.report.style import AUTHORS, BASE, GREY, INK, LEFT, RIGHT, TARGET, annotate_level, figure
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
-from sim.control.phases import Activity, Phase
+from sim.control.phases import Phase
+from sim.method.published.memory import Activity
 from sim.study.findings import hand_forces
 from sim.study.reproduction import Flown
 
@@ -60,7 +61,7 @@ def spins(runs: Mapping[str, Flown], authors: Mapping[str, FloatArray]) -> Figur
         if flown.direct:
             axes.plot(authors["t"], authors["targ_w"], color=AUTHORS, linestyle="--", label="target, authors")
             axes.legend(loc="upper right")
-        annotate_level(axes, flown.config.control.caging.spin_threshold, "caging below" if flown.direct else "")
+        annotate_level(axes, flown.config.published.caging.spin_threshold, "caging below" if flown.direct else "")
         axes.axhline(0.0, color=GREY, linewidth=0.4)
 
     return _panels(runs, "angular velocity, rad/s", panel, None, legend="upper right")
@@ -124,7 +125,7 @@ def dead_touch(failure: Flown, success: Flown, names: Sequence[str]) -> Figure:
     if closing.any():
         for axes in (spin, turn, gap):
             axes.axvline(failure.ticks["time"][int(np.argmax(closing))], color=GREY, linewidth=0.6, linestyle=":")
-    annotate_level(spin, failure.config.control.caging.slow_spin, "planner's slow spin")
+    annotate_level(spin, failure.config.published.caging.slow_spin, "planner's slow spin")
     spin.set(ylabel="target's spin, rad/s", xlabel="time, s", xlim=(3.0, None))
     turn.set(ylabel="base attitude, deg", xlabel="time, s", xlim=(3.0, None))
     gap.set(ylabel="base to target, m", xlabel="time, s", xlim=(3.0, None))

@@ -11,7 +11,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.capture.snapshot import OutcomeClass
+from sim.snapshot import OutcomeClass
 
 INK, GREY, PALE = "#1b1f24", "#6b7280", "#d5d9df"
 LEFT, RIGHT, TARGET, BASE = "#0072B2", "#D55E00", "#1b1f24", "#009E73"

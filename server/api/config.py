@@ -54,7 +54,7 @@ class ConfigBody(BaseModel):
     name: str = Field(examples=["published_figures (edited)"])
     config: MissionConfig
     edited: dict[str, Edit] = Field(
-        description="By full path", examples=[{"control.impedance.damping": {"from": 0.1, "to": 3.0}}]
+        description="By full path", examples=[{"published.impedance.damping": {"from": 0.1, "to": 3.0}}]
     )
 
 
@@ -69,8 +69,8 @@ class ConfigurationBody(BaseModel):
 class Parameter(BaseModel):
     """One number or choice of the configuration."""
 
-    path: str = Field(examples=["control.impedance.damping"])
-    group: str = Field(examples=["control.impedance"])
+    path: str = Field(examples=["published.impedance.damping"])
+    group: str = Field(examples=["published.impedance"])
     name: str = Field(examples=["damping"])
     title: str = Field(description="Of what it is, in a few words", examples=["Virtual damping of the hand"])
     group_title: str = Field(description="Heading of its group", examples=["Impedance of the hands"])
@@ -105,7 +105,7 @@ async def change_config(
     asker: AskerDep,
     changes: Annotated[
         Changes,
-        Body(description="Nested, only what changes", examples=[{"control": {"impedance": {"damping": 3.0}}}]),
+        Body(description="Nested, only what changes", examples=[{"published": {"impedance": {"damping": 3.0}}}]),
     ],
     becalm_arming: Annotated[
         str | None,

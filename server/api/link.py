@@ -10,9 +10,9 @@ from pydantic import Field
 from server.api.services import AskerDep, ServicesDep
 from server.edge.problem_json import responses
 from server.link.status import NO_LINK, LinkStatus, status_of
-from sim.capture.snapshot import Published
 from sim.control.phases import Phase
 from sim.errors import MissionRefused
+from sim.snapshot import Published
 
 router = APIRouter(prefix="/link", tags=["link"])
 

@@ -31,7 +31,7 @@ class PresetBody(BaseModel):
     configuration: ShortText = Field(
         description="The named configuration that it changes", examples=["published_figures"]
     )
-    changes: Changes = Field(description="Nested, SI", examples=[{"control": {"impedance": {"damping": 3.0}}}])
+    changes: Changes = Field(description="Nested, SI", examples=[{"published": {"impedance": {"damping": 3.0}}}])
 
 
 class KeptPreset(BaseModel):

@@ -36,10 +36,10 @@ from server.library.folder import (
 from server.library.index import RunIndex, RunQuery, SortKey
 from server.library.plotted import History
 from server.library.runs import RunStore, new_record
-from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
 from sim.errors import ConfigError, MissionRefused
+from sim.snapshot import Outcome, OutcomeClass
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
 

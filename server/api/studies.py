@@ -184,9 +184,9 @@ class StudyRowPage(BaseModel):
 class PublishedCell(BaseModel):
     """What the paper prints for one cell."""
 
-    mass: float = Field(description="control.impedance.mass [kg]")
-    damping: float = Field(description="control.impedance.damping [N s/m]")
-    stiffness: float = Field(description="control.impedance.stiffness [N/m]")
+    mass: float = Field(description="published.impedance.mass [kg]")
+    damping: float = Field(description="published.impedance.damping [N s/m]")
+    stiffness: float = Field(description="published.impedance.stiffness [N/m]")
     outcome: str = Field(description="Judged at the first closure")
 
 

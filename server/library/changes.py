@@ -8,9 +8,9 @@ from typing import Any
 from pydantic import Field
 
 from server.library.folder import RunRecord
-from sim.capture.snapshot import Published
 from sim.config import PARAMETERS, MissionConfig, differences
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
+from sim.snapshot import Published
 
 EDITED = " (edited)"
 """How the name of a configuration ends that was changed."""
@@ -32,7 +32,7 @@ class ParameterChange(Published):
 
 
 def change_words(path: str, old: Any, new: Any) -> str:
-    """A change in words, each value in the unit of the configuration: "control.impedance.damping 1.5 → 3 N s/m"."""
+    """A change in words, each value in the unit of the configuration: "published.impedance.damping 1.5 → 3 N s/m"."""
     unit = PARAMETERS[path].json_schema_extra["unit"]
     return f"{path} {_value_words(old)} → {_value_words(new)}" + ("" if unit == "1" else f" {unit}")
 

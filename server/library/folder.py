@@ -36,11 +36,11 @@ from server.texts import shortened
 from server.versions import versions
 from sim.capture.events import Event
 from sim.capture.replay import FlightHistory, Intervention
-from sim.capture.snapshot import Outcome, Published
 from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES, VERSION, config_version, under_todays_names
+from sim.snapshot import Outcome, Published
 from sim.stored import read_parameters, read_tree
 
 RunKind = Literal["live", "scripted", "study", "fork"]

@@ -27,9 +27,9 @@ from server.library.changes import changes_of
 from server.library.folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus
 from server.library.runs import RUN_ID, RunStore
 from server.texts import one_line
-from sim.capture.snapshot import OutcomeClass
 from sim.errors import ConfigError, RunNotFound
 from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES
+from sim.snapshot import OutcomeClass
 
 FILE_NAME = "index.sqlite"
 PATIENCE = 0.25

@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import Field
 
 from server.library.folder import TickArray
-from sim.capture.snapshot import Published
 from sim.capture.tick import ARMS, COLUMNS, Column, column_values
+from sim.snapshot import Published
 
 Values = np.ndarray[Any, np.dtype[np.float64]]
 

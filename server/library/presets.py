@@ -12,11 +12,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from server.errors import PresetNotFound
 from server.files import finding, finite, read_document, replace_file
 from server.texts import shortened
-from sim.capture.snapshot import Published
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.errors import ConfigError
 from sim.schema_history import VERSION, config_version
+from sim.snapshot import Published
 from sim.stored import read_parameters
 
 NAME = r"[^\W_][\w .+-]{0,39}"
@@ -29,7 +29,7 @@ class Preset(Published):
     name: str = Field(pattern=f"^{NAME}$", examples=["soft hands"])
     configuration: str = Field(description="The named configuration that it changes", examples=["published_figures"])
     changes: dict[str, Any] = Field(
-        description="Nested, SI; only what differs", examples=[{"control": {"impedance": {"damping": 3.0}}}]
+        description="Nested, SI; only what differs", examples=[{"published": {"impedance": {"damping": 3.0}}}]
     )
     who: str = Field(description="Who kept it last")
     at: str = Field(description="When, ISO 8601 in UTC")

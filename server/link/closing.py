@@ -1,9 +1,9 @@
 """Whether both hands can close on the target where it stands: what the published plan does not ask.
 
-Below `control.caging.slow_spin` the hands turn to the target at once (Sec. III-D). Its faces lie every quarter turn, so
-they may have to turn by an eighth of a turn either way; but from 0.25 rad on an arm passes a singularity on its way,
-and the hands strike a target that does not turn on with 6 to 11 N. Measured with the configuration `testbed` at spins
-of 0, 0.05 and 0.2 rad/s, every 7.5 degrees: up to 0.22 rad at most 0.5 N, beyond it 6 N or more.
+Below `published.caging.slow_spin` the hands turn to the target at once (Sec. III-D). Its faces lie every quarter
+turn, so they may have to turn by an eighth of a turn either way; but from 0.25 rad on an arm passes a singularity on
+its way, and the hands strike a target that does not turn on with 6 to 11 N. Measured with the configuration `testbed`
+at spins of 0, 0.05 and 0.2 rad/s, every 7.5 degrees: up to 0.22 rad at most 0.5 N, beyond it 6 N or more.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def closing_refusal(command: Command, config: MissionConfig, state: Record) -> s
         state: one element of `PLANT_STATE`, as perceived.
 
     """
-    caging = config.control.caging
+    caging = config.published.caging
     angle, spin = float(state["target_pose"][2]), float(state["target_twist"][2])
     if command not in CLOSING or abs(spin) > caging.slow_spin:
         return ""

@@ -21,7 +21,7 @@ import numpy as np
 from server.link.wire import JointSample, PlaneSample
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.control.controller import generalized_velocity
+from sim.control.hand_motion import generalized_velocity
 from sim.model.generalized_jacobian import free_flying_model, momentum
 from sim.model.robot import FREEDOMS, JOINTS, Chain, RobotModel, chain, freedom, robot_model, tip_position
 from sim.record import Record

@@ -17,7 +17,7 @@ from server.link.reports import parse_count
 from server.link.robot_link import RobotLink
 from server.link.streams import HISTORY_STEP
 from server.published import RobotData
-from sim.capture.snapshot import Published
+from sim.snapshot import Published
 
 QUANTILES_OF = 10.0
 """Round trips of the last seconds that quantiles are taken of [s]."""

@@ -20,7 +20,7 @@ _LOOK = "the page Link shows every stream"
 CAUSE_WORDS: dict[Cause, CauseWords] = {
     Cause.DIVERGED: CauseWords(
         "The simulation diverged",
-        "reset; a lower contact.stiffness or control.impedance.stiffness, or a shorter simulation.time_step, helps",
+        "reset; a lower contact.stiffness or published.impedance.stiffness, or a shorter simulation.time_step, helps",
     ),
     Cause.PLANT_FAILED: CauseWords(
         "The plant failed", "reset starts a new mission; the run keeps what happened until now"
@@ -66,7 +66,7 @@ CAUSE_WORDS: dict[Cause, CauseWords] = {
     ),
     Cause.BASE_STRUCK: CauseWords(
         "The target struck the base",
-        "reset for the next try; a lower control.impedance.damping keeps the target from following the hands",
+        "reset for the next try; a lower published.impedance.damping keeps the target from following the hands",
     ),
     Cause.TIME_UP: CauseWords(
         "Not caged in time",

@@ -11,8 +11,8 @@ from server.errors import StoredUnreadable
 from server.library.folder import RunReader
 from server.library.runs import RunStore
 from server.mission.live_run import CUT_OFF_NOTE
-from sim.capture.snapshot import Published
 from sim.control.phases import Phase
+from sim.snapshot import Published
 
 LAST_MOMENTS = 1.0
 """Of a run, in which the phase that was cut off is looked for [s]: an orderly end stops the robot first."""

@@ -14,8 +14,8 @@ from pydantic import Field
 
 from server.errors import ServiceBusy
 from server.mission.fork import Fork
-from sim.capture.snapshot import Published
 from sim.config import MissionConfig
+from sim.snapshot import Published
 
 CAPACITY = 32
 """Requests that may wait; a healthy loop empties the inbox every few milliseconds."""

@@ -22,10 +22,10 @@ from server.mission.problems import ProblemBoard, problem_of
 from sim.capture.events import Event
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Intervention
-from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig, differences, is_live
-from sim.control.phases import Activity, Command, Phase, allowed_commands, next_phase
+from sim.control.phases import AT_REST, Command, Phase, allowed_commands, next_phase
 from sim.errors import Cause, MissionRefused, PlantError
+from sim.snapshot import Snapshot
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
 RESTING_PHASES = (Phase.IDLE, Phase.STOPPED, Phase.FAULTED)
@@ -74,7 +74,7 @@ class LiveMission:
         self._announce = announce
         self._keep = keep
         self._failure: str | None = None
-        self._activity = Activity.NONE
+        self._activity = AT_REST
         self._tick, self._time = max(0, self._mission.next_tick - 1), self._mission.snapshot().time
         self._name = display_name(configuration, config)
         self._initial = config if fork is None else fork.history.config
@@ -117,7 +117,7 @@ class LiveMission:
     def resting(self) -> bool:
         """Whether nothing is under way, so that there is no reason to hurry."""
         done = self._mission.outcome is not None and self.phase not in ACTIVE_PHASES
-        return self.phase in RESTING_PHASES or (done and self._activity is Activity.NONE)
+        return self.phase in RESTING_PHASES or (done and self._activity == AT_REST)
 
     def begin(self) -> None:
         """Begin the mission's run; the run before it has been closed."""
@@ -153,7 +153,7 @@ class LiveMission:
             MissionRefused: the phase does not allow it, or a robot's hands cannot close on the target as it stands.
 
         """
-        next_phase(self.phase, command)
+        next_phase(self.phase, command, self._mission.method.commands)
         closing = self._closing_refusal(command)
         if closing is not None:
             raise MissionRefused(closing, tip="wait until it has turned, or turn it by hand; then ask again")
@@ -207,7 +207,7 @@ class LiveMission:
             return 0
         if len(rows):
             self._tick, self._time = int(rows["tick"][-1]), float(rows["time"][-1])
-            self._activity = Activity(int(rows["activity"][-1]))
+            self._activity = int(rows["activity"][-1])
             self.run.keep(rows)
             self._keep(rows)
         if self._mission.phase is Phase.FAULTED:
@@ -238,7 +238,7 @@ class LiveMission:
 
     def refusals(self) -> dict[str, str | None]:
         """Every command of the mission: None if it is allowed now, else the reason why not."""
-        allowed = allowed_commands(self.phase)
+        allowed = allowed_commands(self.phase, self._mission.method.commands)
         return {command.value: reason or self._closing_refusal(command) for command, reason in allowed.items()}
 
     def _closing_refusal(self, command: Command) -> str | None:
@@ -291,7 +291,7 @@ class LiveMission:
         log.log(_LOG_LEVELS[event.severity], event.message, extra={"run": self.run.id, **marks})
 
     def _note_stillness(self) -> None:
-        if self.phase in ACTIVE_PHASES or self._activity is not Activity.NONE:
+        if self.phase in ACTIVE_PHASES or self._activity != AT_REST:
             self.run.note_motion()
         else:
             status: RunStatus = "cancelled" if self.phase is Phase.STOPPED else "finished"

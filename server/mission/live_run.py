@@ -13,8 +13,8 @@ from server.library.folder import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
 from server.library.runs import new_record
 from server.mission.fork import Fork
-from sim.capture.snapshot import Outcome
 from sim.config import MissionConfig
+from sim.snapshot import Outcome
 
 REST_AFTER = 5.0
 """Mission time without motion, beyond the hold before a verdict, after which recording rests [s]."""

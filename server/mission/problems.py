@@ -7,8 +7,8 @@ from server.published import Problem
 from sim.capture.events import Event
 
 _TIPS = {
-    "solid_contact": "reset, then raise control.caging.close_margin or lower the target's spin before the next try",
-    "base_overlap": "stop, then reset; a lower control.impedance.damping keeps the target from following the hands",
+    "solid_contact": "reset, then raise published.caging.close_margin or lower the target's spin before the next try",
+    "base_overlap": "stop, then reset; a lower published.impedance.damping keeps the target from following the hands",
     "rate_limit": "an arm is near a singularity; watch its manipulability, or set "
     "control.rates.singularity_handling to damped_least_squares and reset",
     "manipulability": "an arm is near a singularity; hold, and release, or set "

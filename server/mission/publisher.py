@@ -16,8 +16,8 @@ from server.mission.feed import Feed
 from server.mission.live_mission import LiveMission
 from server.mission.service_problems import ServiceProblems
 from server.published import MissionSnapshot
-from sim.capture.snapshot import Readiness
 from sim.config import MissionConfig
+from sim.snapshot import Readiness
 
 PUBLISH_PERIOD = 1 / 60
 """Wall time between two snapshots [s]."""

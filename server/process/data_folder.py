@@ -11,8 +11,8 @@ from pathlib import Path
 from server.errors import DataFolderInUse, StoredUnreadable
 from server.files import read_document, replace_file
 from server.instants import wall_clock
-from sim.capture.snapshot import Published
 from sim.claim import Claim, is_claimed
+from sim.snapshot import Published
 
 CLAIM_NAME = "service.lock"
 OWNER_NAME = "service.json"

@@ -16,9 +16,9 @@ from server.scene.machine import (
     wrist_parts,
 )
 from server.scene.palette import ARMS
-from sim.capture.snapshot import ArmState, Snapshot
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
+from sim.snapshot import ArmState, Snapshot
 
 AXES_LENGTH = 0.09
 HAND = 4

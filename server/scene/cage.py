@@ -13,8 +13,8 @@ from server.scene.figures import base_place, closed_outline, dashed_line, raised
 from server.scene.machine import half_height
 from server.scene.palette import CAGE, FAINT
 from server.scene.solids import FloatArray
-from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig
+from sim.snapshot import Snapshot
 
 CageState = Literal["none", "open", "closed", "locked"]
 

@@ -22,8 +22,8 @@ from server.scene.figures import arc_points, manipulability_ellipse, raised, sol
 from server.scene.machine import half_height, work_height
 from server.scene.palette import ARMS, FORCE_ARROW, MOMENTUM_ARROW, SPIN, veil
 from server.scene.solids import FloatArray, circle, prism
-from sim.capture.snapshot import ArmState, Snapshot
 from sim.config import MissionConfig
+from sim.snapshot import ArmState, Snapshot
 
 SPIN_TIME = 1.0
 """The spin arc spans what the target turns in this time [s]."""

@@ -12,9 +12,9 @@ from server.scene.glb import Part, linear
 from server.scene.machine import ghost_parts, goal_hand_parts, half_height, work_height
 from server.scene.palette import ARMS, NIGHT, TARGET, Colour, light
 from server.scene.solids import ball
-from sim.capture.snapshot import Plan, Snapshot, Vector3
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
+from sim.snapshot import Plan, Snapshot, Vector3
 
 TRAIL_POINTS, TRAIL_SPACING = 200, 0.006
 """A trail keeps its last 1.2 m, in steps of 6 mm."""

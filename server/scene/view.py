@@ -21,8 +21,8 @@ from server.scene.dynamics import EllipsesDrawing, ForcesDrawing, MotionDrawing
 from server.scene.solids import FloatArray
 from server.scene.stage import set_stage
 from server.scene.traces import PlanDrawing, TrailsDrawing
-from sim.capture.snapshot import Snapshot
 from sim.config import ArmConfig, BaseConfig, MissionConfig, TargetConfig
+from sim.snapshot import Snapshot
 
 FOLLOWING = ("follow", "hand")
 """Presets that go along with what they look at."""

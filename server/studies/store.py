@@ -20,7 +20,7 @@ from server.instants import instant, wall_clock
 from server.library.runs import new_run_id
 from server.texts import shortened
 from server.versions import versions
-from sim.capture.snapshot import Published
+from sim.snapshot import Published
 from sim.study.design import Study, definition_of_today, study_of
 from sim.study.table import StudyRows
 

@@ -8,10 +8,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from sim.capture.snapshot import Outcome, OutcomeClass, Published, Touch
 from sim.config import MissionConfig
-from sim.control.phases import Activity, Phase
+from sim.control.phases import Phase
 from sim.errors import Cause, LinkLost, PlantError
+from sim.method.method import Words, method_of
+from sim.snapshot import Outcome, OutcomeClass, Published, Touch
 
 Severity = Literal["info", "warning", "error"]
 Ticks = np.ndarray[Any, np.dtype[Any]]
@@ -48,10 +49,7 @@ _FLAGS = (
 
 _PHASE_MESSAGES = {
     Phase.IDLE: "Idle",
-    Phase.DETUMBLING: "Detumbling begins",
-    Phase.CAGING: "Caging begins: the spin is under its threshold",
     Phase.HOLDING: "Joint rates are zero: the arms hold",
-    Phase.RELEASED: "The hands open",
     Phase.STOPPED: "Stopped: joint rates are zero",
     Phase.FAULTED: "Fault: the plant can no longer be trusted",
 }
@@ -60,7 +58,11 @@ _PHASE_MESSAGES = {
 def events_of(ticks: Ticks, before: Ticks, config: MissionConfig) -> list[Event]:
     """The events within consecutive ticks; the one tick before them only tells what they change from."""
     story = _Story(ticks, before)
-    events = [*_phase_events(story), *_plan_events(story), *_flag_events(story), *_spin_events(story, config)]
+    method = method_of(config)
+    threshold = method.spin_threshold(config)
+    events = [*_phase_events(story, method.words), *_plan_events(story, method.words), *_flag_events(story)]
+    if threshold is not None:
+        events += _spin_events(story, threshold)
     return sorted(events, key=lambda event: event.tick)
 
 
@@ -85,20 +87,16 @@ def _changes(values: Ticks) -> list[int]:
     return [int(place) for place in np.flatnonzero(values[1:] != values[:-1])]
 
 
-def _phase_events(story: _Story) -> Iterator[Event]:
+def _phase_events(story: _Story, words: Words) -> Iterator[Event]:
     for place in _changes(story.values("phase")):
         phase = Phase(int(story.ticks["phase"][place]))
         bad = phase in (Phase.STOPPED, Phase.FAULTED)
-        yield story.event(place, "phase", "warning" if bad else "info", _PHASE_MESSAGES[phase])
+        yield story.event(place, "phase", "warning" if bad else "info", {**_PHASE_MESSAGES, **words.phase}[phase])
 
 
-def _plan_events(story: _Story) -> Iterator[Event]:
+def _plan_events(story: _Story, words: Words) -> Iterator[Event]:
     for place in _changes(story.values("plan")):
-        what = {
-            Activity.APPROACHING: "A touch is planned",
-            Activity.CLOSING: "The closing of both hands is planned",
-            Activity.OPENING: "The opening of both hands is planned",
-        }.get(Activity(int(story.ticks["activity"][place])))
+        what = words.plan.get(int(story.ticks["activity"][place]))
         if what:
             yield story.event(place, "plan", "info", what)
 
@@ -110,8 +108,7 @@ def _flag_events(story: _Story) -> Iterator[Event]:
                 yield story.event(place, flag.kind, flag.severity, flag.message)
 
 
-def _spin_events(story: _Story, config: MissionConfig) -> Iterator[Event]:
-    threshold = config.control.caging.spin_threshold
+def _spin_events(story: _Story, threshold: float) -> Iterator[Event]:
     spins = story.values("target_twist")[:, 2]
     for place in _changes(np.abs(spins) < threshold):
         spin = float(spins[place + 1])

@@ -7,34 +7,23 @@ the paper's tables judge, at the first closed instant, and once after the arms h
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 
 import numpy as np
 
 from sim.capture.caging import Cage, tips_enclose
-from sim.capture.snapshot import Outcome, OutcomeClass, Touch
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
-from sim.control.phases import Phase, Sequence
+from sim.control.phases import Phase, Sequence, Verdict
 from sim.control.trajectory import plan_end
 from sim.model.clearance import corner_inside
 from sim.model.generalized_jacobian import manipulability
 from sim.model.planar import rotated
 from sim.model.robot import Chain, RobotModel, arm_jacobian
 from sim.record import Record
+from sim.snapshot import Outcome, OutcomeClass, Touch
 
 MAX_TOUCHES = 256
-
-
-class Verdict(IntEnum):
-    """Why a capture is over."""
-
-    NONE = 0
-    EJECTION = 1
-    BASE_COLLISION = 2
-    TIME_LIMIT = 3
-    LOCKED = 4
 
 
 TOUCH = np.dtype(

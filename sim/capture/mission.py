@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,38 +26,37 @@ from sim.capture.events import (
 )
 from sim.capture.judge import (
     JUDGEMENT,
-    Verdict,
     begin_judgement,
     judge,
     outcome_of,
     touches_of,
 )
 from sim.capture.narration import description, readiness
-from sim.capture.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
 from sim.capture.stages import Visit, stages, visits_after
 from sim.capture.tick import ARMS, TICK
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig, differences, is_live
 from sim.configurations import require_clear_start
-from sim.control.admittance import admittance_transition
-from sim.control.controller import begin_sequence, control, hand_twists
-from sim.control.memory import MEMORY, NEVER, PlanKind
-from sim.control.phases import Activity, Command, Phase, Sequence, next_phase
+from sim.control.hand_motion import hand_twists
+from sim.control.memory import MEMORY, NO_PLAN
+from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
 from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
+from sim.method.method import MethodHandle, begin_sequence, decide, enter_phase, method_of
 from sim.model.robot import Chain, RobotModel, chain, robot_model
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
 from sim.plant.sensing import Seen, is_noisy, sense
 from sim.record import Record, record_of
+from sim.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
 
 
 @compiled
 def fly(
     handle: PlantHandle,
+    method: MethodHandle,
     robot: RobotModel,
     parameters: Record,
-    transition: FloatArray,
     memory: Record,
     notes: Record,
     state: Record,
@@ -70,7 +70,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(robot, parameters, transition, memory, notes, state, seen, rows[place])
+        over = _decide(method, robot, parameters, memory, notes, state, seen, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -80,9 +80,9 @@ def fly(
 
 @compiled
 def _decide(
+    method: MethodHandle,
     robot: RobotModel,
     parameters: Record,
-    transition: FloatArray,
     memory: Record,
     notes: Record,
     state: Record,
@@ -94,24 +94,22 @@ def _decide(
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
     judge(notes, memory, parameters, robot, state, links)
     over = bool(notes.verdict != before)
-    if over:
-        memory.phase = Phase.STOPPED if notes.verdict == Verdict.BASE_COLLISION else Phase.HOLDING
-        memory.sequence = Sequence.NONE
+    verdict = notes.verdict if over else Verdict.NONE
     if is_noisy(parameters.sensing.noise):
         told = sense(parameters.sensing.noise, parameters.simulation.seed, state, seen)
         links_told = chain(robot, told.base_pose, told.joint_angle, told.mount_angle)
-        control(memory, parameters, transition, robot, told, links_told)
+        decide(method, memory, parameters, robot, told, links_told, verdict)
     else:
-        control(memory, parameters, transition, robot, state, links)
+        decide(method, memory, parameters, robot, state, links, verdict)
     _write(row, memory, notes, state, links)
     return over
 
 
 @compiled
 def follow(
+    method: MethodHandle,
     robot: RobotModel,
     parameters: Record,
-    transition: FloatArray,
     memory: Record,
     notes: Record,
     state: Record,
@@ -127,7 +125,7 @@ def follow(
     """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        if _decide(robot, parameters, transition, memory, notes, state, seen, rows[place]):
+        if _decide(method, robot, parameters, memory, notes, state, seen, rows[place]):
             return place + 1
     return len(recorded)
 
@@ -185,6 +183,7 @@ class Mark(NamedTuple):
 
     config: MissionConfig
     memory: Record
+    own: np.ndarray[Any, np.dtype[Any]]
     notes: Record
     state: Record
     seen: Seen
@@ -214,16 +213,18 @@ class Mission:
         self._robot = robot_model(config.robot)
         self._parameters: Record = record_of(config)
         self._fault: PlantError | None = None
-        self._transition = admittance_transition(config.control.impedance, config.control.period)
+        self.method = method_of(config)
+        self._own = np.zeros(1, self.method.memory)
+        self._method_handle = self.method.handle(config, self._own)
         self._memory: Record = np.zeros(1, MEMORY)[0]
-        self._memory["last_contact"], self._memory["slow_since"] = NEVER, math.inf
+        begin_sequence(self._method_handle, self._memory, int(Phase.IDLE), int(Sequence.NONE))
         self._notes: Record = np.zeros(1, JUDGEMENT)[0]
         self._notes["begun_at"] = math.nan
         self._seen = np.zeros(1, PLANT_STATE)
         self._notes["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []
-        self._visits = visits_after([], self._last, config.control.caging.spin_threshold)
+        self._visits = visits_after([], self._last, config)
         self._told: set[str] = set()
         self._events: list[Event] = []
         self._outcome: Outcome | None = None
@@ -234,9 +235,9 @@ class Mission:
         return Phase(int(self._memory["phase"]))
 
     @property
-    def activity(self) -> Activity:
-        """What the hands are doing."""
-        return Activity(int(self._memory["activity"]))
+    def activity(self) -> IntEnum:
+        """What the hands are doing, one of the method's activities."""
+        return self.method.activities(int(self._memory["activity"]))
 
     @property
     def fault(self) -> PlantError | None:
@@ -262,11 +263,11 @@ class Mission:
         """Grant an operator's request from the next tick on.
 
         Raises:
-            MissionRefused: the phase does not allow it.
+            MissionRefused: the phase does not allow it, or the method has no such command.
 
         """
-        phase, sequence = next_phase(self.phase, command)
-        begin_sequence(self._memory, int(phase), int(sequence))
+        phase, sequence = next_phase(self.phase, command, self.method.commands)
+        begin_sequence(self._method_handle, self._memory, int(phase), int(sequence))
         if sequence is not Sequence.NONE:
             begin_judgement(self._notes, self.time, self._plant.state["momentum"])
             self._outcome = None
@@ -314,7 +315,7 @@ class Mission:
         if flown:
             self._tell(rows)
         if self._fault is not None:
-            self._memory["phase"], self._memory["activity"] = int(Phase.FAULTED), int(Activity.NONE)
+            enter_phase(self._memory, int(Phase.FAULTED), AT_REST, int(Sequence.NONE))
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
         return rows
 
@@ -323,9 +324,9 @@ class Mission:
         plant = self._plant
         flown, finite = fly(
             plant.handle,
+            self._method_handle,
             self._robot,
             self._parameters,
-            self._transition,
             self._memory,
             self._notes,
             plant.state,
@@ -343,9 +344,9 @@ class Mission:
             try:
                 plant.observe()
                 over = _decide(
+                    self._method_handle,
                     self._robot,
                     self._parameters,
-                    self._transition,
                     self._memory,
                     self._notes,
                     plant.state,
@@ -370,9 +371,9 @@ class Mission:
         done = 0
         while done < len(rows):
             followed = follow(
+                self._method_handle,
                 self._robot,
                 self._parameters,
-                self._transition,
                 self._memory,
                 self._notes,
                 self._plant.state,
@@ -389,6 +390,7 @@ class Mission:
         return Mark(
             self.config,
             self._memory.copy(),
+            self._own.copy(),
             self._notes.copy(),
             self._plant.state.copy(),
             self._seen.copy(),
@@ -405,6 +407,7 @@ class Mission:
             self.config = mark.config
             self._adopt(mark.config)
         self._memory, self._notes, self._seen = mark.memory.copy(), mark.notes.copy(), mark.seen.copy()
+        self._own[:] = mark.own
         for name in PLANT_STATE.names or ():
             self._plant.state[name] = mark.state[name]
         self._last, self._outcome = mark.last, mark.outcome
@@ -440,15 +443,16 @@ class Mission:
         return Snapshot(
             tick=int(row["tick"]),
             time=float(row["time"]),
+            method=self.config.method.value,
             phase=phase.label,
-            activity=Activity(int(row["activity"])).label,
-            description=description(row, phase, plan, touches, self._outcome),
+            activity=self.method.activities(int(row["activity"])).name.lower(),
+            description=description(row, self.config, phase, plan, touches, self._outcome),
             base=BodyState(pose=_vector(row["base_pose"]), twist=_vector(row["base_twist"])),
             target=BodyState(pose=_vector(row["target_pose"]), twist=_vector(row["target_twist"])),
             left=_arm_state(row, 0),
             right=_arm_state(row, 1),
             spin=float(row["target_twist"][2]),
-            spin_threshold=self.config.control.caging.spin_threshold,
+            spin_threshold=self.method.spin_threshold(self.config),
             drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
             cage_closed=bool(row["closed"]),
             cage_margin=self._outcome.cage_margin if self._outcome and self.phase is Phase.HOLDING else None,
@@ -463,7 +467,7 @@ class Mission:
 
     def _adopt(self, config: MissionConfig) -> None:
         self._parameters = record_of(config)
-        self._transition = admittance_transition(config.control.impedance, config.control.period)
+        self._method_handle = self.method.handle(config, self._own)
 
     def _start(self) -> Ticks:
         """The state before the first tick, as one row of `TICK`; nothing is flown."""
@@ -477,7 +481,7 @@ class Mission:
     def _tell(self, rows: Ticks) -> None:
         """Events of the ticks just flown, and the outcome if they reached a verdict."""
         self._events += events_of(rows, self._last, self.config)
-        self._visits = visits_after(self._visits, rows, self.config.control.caging.spin_threshold)
+        self._visits = visits_after(self._visits, rows, self.config)
         self._last = rows[-1:].copy()
         if math.isnan(self._notes["begun_at"]):
             return
@@ -504,8 +508,7 @@ class Mission:
 
     def _plan(self) -> Plan | None:
         memory = self._memory
-        kind = PlanKind(int(memory["plan_kind"]))
-        if kind is PlanKind.NONE or self.phase not in (Phase.DETUMBLING, Phase.CAGING, Phase.RELEASED):
+        if memory["plan_kind"] == NO_PLAN or self.phase not in (Phase.DETUMBLING, Phase.CAGING, Phase.RELEASED):
             return None
         knots, arm = int(memory["plan_knots"]), int(memory["plan_arm"])
         poses = [
@@ -513,7 +516,7 @@ class Mission:
             for side in range(2)
         ]
         return Plan(
-            kind=kind.name.lower(),
+            kind=self.method.plan_kinds(int(memory["plan_kind"])).name.lower(),
             times=[float(time) for time in memory["plan_time"][:knots]],
             left=poses[0],
             right=poses[1],

@@ -16,9 +16,9 @@ import numpy as np
 from sim.capture.events import Ticks
 from sim.capture.mission import Mark
 from sim.capture.replay import FlightHistory, Follower
-from sim.capture.snapshot import Snapshot
 from sim.capture.tick import TICK
 from sim.config import MissionConfig
+from sim.snapshot import Snapshot
 
 BLOCK = 500
 """Ticks from one mark to the next."""

@@ -14,11 +14,11 @@ from pydantic import Field
 
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission
-from sim.capture.snapshot import Published
 from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command, Phase
+from sim.snapshot import Published
 
 _CHUNK = 500  # ticks at a time, as in a headless run
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 from sim.capture.events import Event, Ticks
 from sim.capture.mission import Mission
-from sim.capture.snapshot import Outcome
 from sim.config import MissionConfig
 from sim.control.phases import Command
+from sim.snapshot import Outcome
 
 _CHUNK = 500  # ticks at a time: their rows stay in the processor's cache until they are read
 

@@ -9,8 +9,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from sim.capture.events import Ticks, verdict_in_words
-from sim.capture.snapshot import Outcome, Stage
+from sim.config import MissionConfig
 from sim.control.phases import Phase
+from sim.method.method import method_of
+from sim.snapshot import Outcome, Stage
 
 NOMINAL = (Phase.IDLE, Phase.DETUMBLING, Phase.CAGING, Phase.HOLDING)
 """A capture that goes as it should."""
@@ -26,19 +28,17 @@ class Visit(NamedTuple):
     """[s]"""
     end: float
     """[s]"""
-    slow: bool
-    """Whether the spin was under its threshold."""
-    closed: bool
-    """Whether the tips enclosed the target."""
+    unmet: str
+    """What it had not reached of what it is for; empty if it had."""
 
 
-def visits_after(visits: Ordered[Visit], ticks: Ticks, spin_threshold: float) -> list[Visit]:
-    """The visits, with consecutive ticks after them; `spin_threshold` in rad/s."""
+def visits_after(visits: Ordered[Visit], ticks: Ticks, config: MissionConfig) -> list[Visit]:
+    """The visits, with consecutive ticks of that configuration after them."""
     known = list(visits)
     phases = ticks["phase"]
     starts = [0, *(np.flatnonzero(phases[1:] != phases[:-1]) + 1).tolist(), len(ticks)]
     for start, end in pairwise(starts):
-        visit = _visit(ticks[start], ticks[end - 1], spin_threshold)
+        visit = _visit(ticks[start], ticks[end - 1], config)
         if known and known[-1].phase is visit.phase:
             visit = visit._replace(start=known.pop().start)
         elif known:
@@ -47,9 +47,9 @@ def visits_after(visits: Ordered[Visit], ticks: Ticks, spin_threshold: float) ->
     return known
 
 
-def _visit(first: Any, last: Any, spin_threshold: float) -> Visit:
-    slow = abs(float(last["target_twist"][2])) < spin_threshold
-    return Visit(Phase(int(first["phase"])), float(first["time"]), float(last["time"]), slow, bool(last["closed"]))
+def _visit(first: Any, last: Any, config: MissionConfig) -> Visit:
+    unmet = method_of(config).words.unmet(last, config)
+    return Visit(Phase(int(first["phase"])), float(first["time"]), float(last["time"]), unmet)
 
 
 def stages(visits: Ordered[Visit], phase: Phase, outcome: Outcome | None) -> list[Stage]:
@@ -89,6 +89,4 @@ def _failure(visit: Visit, following: Phase, outcome: Outcome | None) -> str:
         return verdict_in_words(outcome)
     if following in _OFF:
         return "stopped before it was done" if following is Phase.STOPPED else "a fault ended it"
-    if visit.phase is Phase.DETUMBLING:
-        return "" if visit.slow else "the spin was still over its threshold"
-    return "" if visit.closed else "the tips did not enclose the target"
+    return visit.unmet

@@ -6,14 +6,34 @@ rates. An explicit update would fail from 1.1 ms on at m = 0.01 kg, d = 15 N s/m
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 import scipy
 
 from sim.compiled import FloatArray, compiled
-from sim.config import ImpedanceConfig
 
 
-def admittance_transition(impedance: ImpedanceConfig, period: float) -> FloatArray:
+class Impedance(Protocol):
+    """What a hand under admittance behaves like."""
+
+    @property
+    def mass(self) -> float:
+        """Virtual mass [kg]."""
+        ...
+
+    @property
+    def damping(self) -> float:
+        """[N s/m]."""
+        ...
+
+    @property
+    def stiffness(self) -> float:
+        """[N/m]."""
+        ...
+
+
+def admittance_transition(impedance: Impedance, period: float) -> FloatArray:
     """The exact step of eq. 3 over one period [s] (zero-order hold), shape (2, 3).
 
     Rows: displacement [m], velocity [m/s] after it; columns: both before it, and the force [N].

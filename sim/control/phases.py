@@ -1,13 +1,14 @@
 """Phases of a mission, what an operator may ask in each, and the answers.
 
-`next_phase` is pure: it decides requests only. What follows from time and measurement (touch, spin
-under its threshold, plan finished) is decided in the tick, `sim.control.controller`.
+`next_phase` is pure: it decides requests only. What follows from time and measurement (touch, spin under its
+threshold, plan finished, verdict) is decided in the tick, by the method (`sim.method.method`).
 """
 
 from __future__ import annotations
 
 from enum import IntEnum, StrEnum
 
+from sim.compiled import compiled
 from sim.errors import MissionRefused
 
 
@@ -28,29 +29,18 @@ class Phase(IntEnum):
         return self.name.lower()
 
 
-class Activity(IntEnum):
-    """What the hands are doing within a phase."""
+AT_REST = 0
+"""The activity of every method in which joints are held and nothing is under way."""
+
+
+class Verdict(IntEnum):
+    """Why a capture is over."""
 
     NONE = 0
-    APPROACHING = 1
-    """A detumbling path is followed."""
-    WAITING = 2
-    """The path is done, joints are held, and the target comes to the hand."""
-    ABSORBING = 3
-    """The touched hand yields under admittance."""
-    RETREATING = 4
-    """Joints are held while the target leaves the hand."""
-    SETTLING = 5
-    """The spin is under its threshold; joints are held until the caging plan is made."""
-    CLOSING = 6
-    """A caging path is followed with both hands."""
-    OPENING = 7
-    """Both hands draw back from the target."""
-
-    @property
-    def label(self) -> str:
-        """The name that REST, logs and screens use."""
-        return self.name.lower()
+    EJECTION = 1
+    BASE_COLLISION = 2
+    TIME_LIMIT = 3
+    LOCKED = 4
 
 
 class Command(StrEnum):
@@ -98,30 +88,44 @@ _ADVICE = {
 }
 
 
-def next_phase(phase: Phase, command: Command) -> tuple[Phase, Sequence]:
-    """The phase and sequence that a request leads to.
+ALL_COMMANDS = frozenset(Command)
+
+
+def next_phase(phase: Phase, command: Command, commands: frozenset[Command] = ALL_COMMANDS) -> tuple[Phase, Sequence]:
+    """The phase and sequence that a request leads to, of a method that has these commands.
 
     STOP is always granted; it leaves a fault as it is.
 
     Raises:
-        MissionRefused: the phase does not allow the request; the message says why.
+        MissionRefused: the phase does not allow the request, or the method has no such command; the message says why.
 
     """
     if command is Command.STOP:
         return (Phase.FAULTED if phase is Phase.FAULTED else Phase.STOPPED), Sequence.NONE
+    if command not in commands:
+        raise MissionRefused(
+            f"{command.value} is refused: the configured method has no such command",
+            tip=f"it has {', '.join(sorted(each.value for each in commands))}",
+        )
     allowed, following, sequence = _TRANSITIONS[command]
     if phase not in allowed:
         raise MissionRefused(f"{command.value} is refused in phase {phase.label}: {_ADVICE[phase]}", tip=_ADVICE[phase])
     return following, sequence
 
 
-def allowed_commands(phase: Phase) -> dict[Command, str | None]:
-    """Every command with None where the phase allows it, else the reason why not."""
+def allowed_commands(phase: Phase, commands: frozenset[Command] = ALL_COMMANDS) -> dict[Command, str | None]:
+    """Every command with None where phase and method allow it, else the reason why not."""
     reasons: dict[Command, str | None] = {}
     for command in Command:
         try:
-            next_phase(phase, command)
+            next_phase(phase, command, commands)
             reasons[command] = None
         except MissionRefused as refusal:
             reasons[command] = str(refusal)
     return reasons
+
+
+@compiled
+def phase_after(verdict: int) -> int:
+    """The phase that a verdict leads to: the arms hold, or the mission stops where the target strikes the base."""
+    return Phase.STOPPED if verdict == Verdict.BASE_COLLISION else Phase.HOLDING

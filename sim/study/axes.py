@@ -26,8 +26,9 @@ from pydantic import (
 )
 
 from sim.compiled import FloatArray
-from sim.config import PARAMETERS, Number, WholeNumber
+from sim.config import PARAMETERS
 from sim.configurations import bracketed_unit, unknown_parameter
+from sim.parameters import Number, WholeNumber
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
 Value = float | int | str

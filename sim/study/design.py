@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, JsonValue, ValidationError, ValidationInfo, field_validator, model_validator
 
-from sim.config import MissionConfig, NamesVersion, WholeNumber
+from sim.config import MissionConfig, NamesVersion
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
     named_configuration,
@@ -26,6 +26,7 @@ from sim.configurations import (
     revised,
 )
 from sim.errors import ConfigError
+from sim.parameters import WholeNumber
 from sim.schema_history import (
     PARAMETER_CHANGES,
     VERSION,

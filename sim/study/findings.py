@@ -14,12 +14,12 @@ import numpy as np
 from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
+from sim.study.capture_metrics import Stage
 from sim.study.first_touch import TouchState, effective_mass, lever_of
 from sim.study.foretelling import Foretold, foretold, quality, touch_state
 from sim.study.published import DAMPING, MASS, STIFFNESS, agreement, cohens_kappa, published_classes
 from sim.study.reproduction import Ablation, Example, Flown, examples, impedance_of, published_config, succeeded
 from sim.study.run import Row
-from sim.study.watch import Stage
 
 AUTHORS_AGREEMENT = {"agreeing": 481, "cells": 484}
 """Of the authors' own public simulator with all four published tables, class for class."""
@@ -207,7 +207,7 @@ def _after_closure(rows: Sequence[Row], config: MissionConfig) -> dict[str, Any]
 def _first_touch(found: Reproduction) -> dict[str, Any]:
     config, touch = found.config, found.touch
     lever, spin = lever_of(touch, config), float(touch.target_twist[2])
-    target, caging = config.target, config.control.caging
+    target, caging = config.target, config.published.caging
     effective = effective_mass(target.mass, target.inertia, lever)
     begun = found.captures.representative.outcome.contacts[0].start
     dead = [cell for cell in found.cells if not cell.success and _is_dead(cell, config)]
@@ -233,7 +233,7 @@ def _first_touch(found: Reproduction) -> dict[str, Any]:
 
 
 def _is_dead(cell: Foretold, config: MissionConfig) -> bool:
-    caging = config.control.caging
+    caging = config.published.caging
     return caging.slow_spin < abs(cell.measured.spin) < caging.spin_threshold
 
 

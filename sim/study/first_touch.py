@@ -104,7 +104,7 @@ def collision(config: MissionConfig, lever: float, spin: float) -> Residual:
 
     The hand's virtual mass is taken along first (a plastic blow), then both ride on its spring and damper.
     """
-    target, impedance = config.target, config.control.impedance
+    target, impedance = config.target, config.published.impedance
     effective = effective_mass(target.mass, target.inertia, lever)
     carried = effective + impedance.mass
     rebound = restitution(damping_ratio(impedance.damping, impedance.stiffness, carried)) * effective / carried
@@ -118,8 +118,8 @@ def planar_touch(config: MissionConfig, state: TouchState) -> Residual:
 
     Ends when nothing has touched for as long as the hand yields after a contact.
     """
-    touch = config.control.touch
-    transition = admittance_transition(config.control.impedance, _STEP)
+    touch = config.published.touch
+    transition = admittance_transition(config.published.impedance, _STEP)
     spin, drift, duration = _integrate(
         record_of(config), transition, touch.admittance_fraction * touch.absorb_time, _STEP, *state
     )

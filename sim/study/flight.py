@@ -11,7 +11,7 @@ from concurrent.futures import wait as wait_for
 import numpy as np
 from pydantic import Field
 
-from sim.capture.snapshot import Published
+from sim.snapshot import Published
 from sim.study.design import Study
 from sim.study.executors import Workers, fly_cells
 from sim.study.run import CellTask, Row, fly_cell

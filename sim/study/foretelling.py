@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from sim.capture.events import Ticks
-from sim.capture.snapshot import Published
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
+from sim.snapshot import Published
 from sim.study.first_touch import (
     Residual,
     TouchState,
@@ -104,7 +104,7 @@ def rule(config: MissionConfig, left: Residual, drift_bound: float) -> bool:
     It does not if the spin lies between the planner's slow spin and the threshold of detumbling, where the
     hands wait for a corner, nor if the target drifts faster than the bound.
     """
-    caging = config.control.caging
+    caging = config.published.caging
     return not caging.slow_spin < abs(left.spin) < caging.spin_threshold and left.drift <= drift_bound
 
 

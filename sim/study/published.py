@@ -15,14 +15,14 @@ from typing import NamedTuple
 
 from pydantic import Field
 
-from sim.capture.snapshot import Published
 from sim.errors import ConfigError
+from sim.snapshot import Published
 from sim.study.design import Study, study_of
 from sim.study.run import Row
 
-MASS = "control.impedance.mass"
-DAMPING = "control.impedance.damping"
-STIFFNESS = "control.impedance.stiffness"
+MASS = "published.impedance.mass"
+DAMPING = "published.impedance.damping"
+STIFFNESS = "published.impedance.stiffness"
 
 
 @cache

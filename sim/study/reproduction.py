@@ -10,9 +10,9 @@ import numpy as np
 
 from sim.capture.events import Event, Ticks
 from sim.capture.run import run_capture
-from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
+from sim.snapshot import Outcome, OutcomeClass
 from sim.study.design import Study, configured, study_of
 from sim.study.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes, published_study
 from sim.study.run import Row
@@ -75,13 +75,13 @@ class Ablation(NamedTuple):
 
 ABLATIONS = (
     Ablation("friction", "friction μ = 0.1", {"contact.friction": 0.1}, Origin.PRINTED),
-    Ablation("position", "contact position α = 0.8", {"control.touch.contact_position": 0.8}, Origin.PRINTED),
-    Ablation("hand_tilt", "hand tilt β = 0.175 rad", {"control.touch.hand_tilt": 0.175}, Origin.PRINTED),
-    Ablation("target_tilt", "target tilt γ = 0.175 rad", {"control.touch.target_tilt": 0.175}, Origin.PRINTED),
+    Ablation("position", "contact position α = 0.8", {"published.touch.contact_position": 0.8}, Origin.PRINTED),
+    Ablation("hand_tilt", "hand tilt β = 0.175 rad", {"published.touch.hand_tilt": 0.175}, Origin.PRINTED),
+    Ablation("target_tilt", "target tilt γ = 0.175 rad", {"published.touch.target_tilt": 0.175}, Origin.PRINTED),
     Ablation("link_2", "link 2 of 0.175 m", {"robot.arm.link_2.length": 0.175}, Origin.PRINTED),
     Ablation("link_1", "link 1 centre of mass at 0.229 m", {"robot.arm.link_1.centre_of_mass": 0.229}, Origin.PRINTED),
-    Ablation("slow_spin", "caging at once below 0.4 rad/s", {"control.caging.slow_spin": 0.4}, Origin.UNSTATED),
-    Ablation("absorb_time", "absorbing for 0.2 s", {"control.touch.absorb_time": 0.2}, Origin.UNSTATED),
+    Ablation("slow_spin", "caging at once below 0.4 rad/s", {"published.caging.slow_spin": 0.4}, Origin.UNSTATED),
+    Ablation("absorb_time", "absorbing for 0.2 s", {"published.touch.absorb_time": 0.2}, Origin.UNSTATED),
     Ablation("corner", "radial contact at corners", {"contact.corner": "radial"}, Origin.PLANT),
     Ablation("mount", "hand rigid on link 3", {"robot.servo.hand_mount": "rigid"}, Origin.PLANT),
     Ablation("servo", "servo of 0.5 ms", {"robot.servo.time_constant": 5e-4}, Origin.PLANT),
@@ -120,7 +120,7 @@ class Example(NamedTuple):
 
 def examples(rows: Sequence[Row], config: MissionConfig) -> list[Example]:
     """One cell of each way to fail that is among the rows, and the success beside the first."""
-    slow, threshold = config.control.caging.slow_spin, config.control.caging.spin_threshold
+    slow, threshold = config.published.caging.slow_spin, config.published.caging.spin_threshold
     kinds: dict[str, list[Row]] = {
         "dead_touch": [], "rebound": [], "ejection": [], "unresolved": [], "lost_after_closure": []
     }  # fmt: skip

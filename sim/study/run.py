@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from sim.capture.run import run_capture
-from sim.capture.snapshot import Outcome, Touch
 from sim.config import PARAMETERS, MissionConfig, OutcomeRule
 from sim.errors import CaptureError
+from sim.snapshot import Outcome, Touch
 from sim.study.axes import parameter_words
+from sim.study.capture_metrics import CaptureMetrics
 from sim.study.design import Cell, Study, configured
-from sim.study.watch import Watch
 
 Row = Mapping[str, Any]
 """Column name to value; None where there is none."""
@@ -84,9 +84,10 @@ class CellTask:
 def fly_cell(task: CellTask) -> Row:
     """Fly a cell to its verdict; a row with `error` if it cannot be flown."""
     try:
-        watch, config = Watch(), configured(task.base, task.cell)
-        outcome = run_capture(config, direct=task.direct, on_ticks=watch.see).outcome
-        measured = {**_measures(outcome, config.judging.rule), **watch.measures(outcome)}
+        config = configured(task.base, task.cell)
+        metrics = CaptureMetrics(config)
+        outcome = run_capture(config, direct=task.direct, on_ticks=metrics.update).outcome
+        measured = {**_measures(outcome, config.judging.rule), **metrics.measures(outcome)}
     except CaptureError as error:
         return failed_row(task.cell, str(error))
     except Exception as error:  # one cell that fails, however it does, must not take the others along

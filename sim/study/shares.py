@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import scipy
 from pydantic import Field
 
-from sim.capture.snapshot import Published
+from sim.snapshot import Published
 from sim.study.design import Study
 from sim.study.run import Row
 

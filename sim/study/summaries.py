@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from pydantic import Field
 
-from sim.capture.snapshot import Published
+from sim.snapshot import Published
 from sim.study.design import Study
 from sim.study.run import MEASURES, Row
 from sim.study.shares import CONFIDENCE, is_sample

@@ -67,11 +67,11 @@ def test_log_file(tmp_path):
 
 def test_config_file(tmp_path):
     path = tmp_path / "soft.toml"
-    path.write_text("[control.impedance]\ndamping = 3.0\nmass = 0.05\n")
+    path.write_text("[published.impedance]\ndamping = 3.0\nmass = 0.05\n")
     document = json.loads(_invoke("run", "--direct", "--json", "--config", str(path), "--set",
-                                  "control.impedance.mass=0.07").stdout)  # fmt: skip
-    assert document["config"]["control"]["impedance"]["damping"] == 3.0
-    assert document["config"]["control"]["impedance"]["mass"] == 0.07  # what is set wins over the file
+                                  "published.impedance.mass=0.07").stdout)  # fmt: skip
+    assert document["config"]["published"]["impedance"]["damping"] == 3.0
+    assert document["config"]["published"]["impedance"]["mass"] == 0.07  # what is set wins over the file
     assert document["configuration"] == "published (edited)"
 
 
@@ -173,7 +173,7 @@ def test_replay_finds_no_difference_and_names_the_first_there_is():
     }  # fmt: skip
     folder = Settings.from_environment().data_dir / "runs" / run_id
     record = json.loads((folder / "run.json").read_text())
-    record["config"]["control"]["caging"]["close_margin"] *= 1.1
+    record["config"]["published"]["caging"]["close_margin"] *= 1.1
     (folder / "run.json").write_text(json.dumps(record))
     result = _invoke("replay", "latest", "--json")
     assert result.exit_code == 1

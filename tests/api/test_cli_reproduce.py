@@ -43,7 +43,7 @@ def cells(out: Path, name: str):
     numbers = ("mass", "damping", "stiffness")
     rows = table(out, f"cells_{name}")
     return [
-        {**row, **{f"control.impedance.{n}": float(row[f"control.impedance.{n}"]) for n in numbers}} for row in rows
+        {**row, **{f"published.impedance.{n}": float(row[f"published.impedance.{n}"]) for n in numbers}} for row in rows
     ]
 
 

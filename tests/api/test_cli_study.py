@@ -15,16 +15,16 @@ from click.testing import CliRunner
 
 from becalm import studying
 from becalm.cli import main
-from sim.capture.snapshot import OutcomeClass
+from sim.snapshot import OutcomeClass
 from sim.study import flight
 from sim.study.published import published_study
 from sim.study.run import CellTask, fly_cell
 
-MASS, SPIN = "control.impedance.mass", "target.initial_spin"
+MASS, SPIN = "published.impedance.mass", "target.initial_spin"
 SMALL = """
 direct = true
 [grid]
-control.impedance.mass = [0.05, 0.1]
+published.impedance.mass = [0.05, 0.1]
 [samples]
 count = 2
 [samples.over]
@@ -33,7 +33,7 @@ target.initial_spin = { from = 0.8, to = 1.2 }
 SLOW = """
 direct = true
 [grid]
-control.impedance.mass = { from = 0.1, to = 0.6, count = 24 }
+published.impedance.mass = { from = 0.1, to = 0.6, count = 24 }
 """
 
 
@@ -203,9 +203,9 @@ def test_many_cells_are_flown_without_asking_if_told_so(tmp_path, monkeypatch, s
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[grid]\ncontrol.impedance.dampin = [1.0]", ["control.impedance.dampin", "control.impedance.damping?"]),
+        ("[grid]\ncontrol.impedance.dampin = [1.0]", ["published.impedance.dampin", "published.impedance.damping?"]),
         ("[grid]\ncontrol.impedance.mass = { from = 2.0, to = 1.0, step = 0.1 }", ["impedance.mass", "empty"]),
-        ("[grid]\ncontrol.impedance.mass = [0.1, -1.0]", ["control.impedance.mass = -1.0", "greater than 0", "kg"]),
+        ("[grid]\ncontrol.impedance.mass = [0.1, -1.0]", ["published.impedance.mass = -1.0", "greater than 0", "kg"]),
         ("[grid", ["study.toml", "does not parse"]),
         ("", ["varies nothing"]),
     ],
@@ -232,7 +232,10 @@ def test_a_bad_study_exits_2_and_leaves_nothing(tmp_path, text, words):
         (["published", "--out", "a.csv", "--format", "xlsx"], ["--format", "xlsx"]),
         (["published", "--out", "a.csv", "--workers", "0"], ["--workers"]),
         (["published", "--out", "a.csv", "--seed", "-1"], ["--seed"]),
-        (["published", "--out", "a.csv", "--set", "control.impedance.mass=1"], ["control.impedance.mass", "varied"]),
+        (
+            ["published", "--out", "a.csv", "--set", "published.impedance.mass=1"],
+            ["published.impedance.mass", "varied"],
+        ),
         (["published", "--out", "a.csv", "--set", "target.mass=-1"], ["target.mass = -1", "greater than 0", "kg"]),
         (["published", "--out", "a.csv", "--set", "target.masss=1"], ["target.masss", "target.mass?"]),
     ],

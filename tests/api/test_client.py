@@ -38,7 +38,7 @@ def test_the_readmes_ten_lines(capsys):
     assert len(ticks) > 5000
     assert ticks.attrs["units"]["right.hand_wrench.x"] == "N"
     with becalm.Client() as service:
-        assert service.config().config.control.impedance.damping == 3.0
+        assert service.config().config.published.impedance.damping == 3.0
 
 
 @pytest.mark.usefixtures("address")
@@ -56,8 +56,8 @@ def test_a_refusal_says_what_the_service_said():
             service.command("release")
         assert refused.value.status == 409
         with pytest.raises(becalm.ServiceRefused) as invalid:
-            service.change({"control": {"impedance": {"damping": -3}}})
-        assert invalid.value.errors[0]["field"] == "control.impedance.damping"
+            service.change({"published": {"impedance": {"damping": -3}}})
+        assert invalid.value.errors[0]["field"] == "published.impedance.damping"
         assert "lists" in invalid.value.tip or "list" in invalid.value.tip
         with pytest.raises(becalm.ServiceRefused) as unknown:
             service.run("20261122T113000123-4f9a2c/../x")

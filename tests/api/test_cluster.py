@@ -27,7 +27,7 @@ from sim.study.table import StudyTable
 
 CELLS = 12
 STUDY: Study = study_of(
-    {"name": "masses", "direct": True, "grid": {"control.impedance.mass": {"from": 0.1, "to": 0.6, "count": CELLS}}}
+    {"name": "masses", "direct": True, "grid": {"published.impedance.mass": {"from": 0.1, "to": 0.6, "count": CELLS}}}
 )
 PATIENCE = 180.0
 """For a process of Dask to be ready [s]: bounds a hang."""
@@ -81,7 +81,7 @@ def test_a_scheduler_without_workers_is_said(scheduler, monkeypatch):
 @pytest.mark.usefixtures("workers")
 def test_the_command_flies_on_the_cluster(scheduler, tmp_path):
     file = tmp_path / "masses.json"
-    file.write_text(json.dumps({"direct": True, "grid": {"control.impedance.mass": [0.1, 0.2]}}))
+    file.write_text(json.dumps({"direct": True, "grid": {"published.impedance.mass": [0.1, 0.2]}}))
     out = tmp_path / "masses.csv"
     result = CliRunner().invoke(main, ["study", str(file), "--out", str(out), "--scheduler", scheduler, "--json"])
     assert result.exit_code == 0, result.output

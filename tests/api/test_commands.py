@@ -182,10 +182,10 @@ async def test_reset_begins_a_new_mission_and_run(console):
 
 
 async def test_reset_keeps_the_configuration_in_force(console):
-    await console.http.patch("/mission/config", json={"control": {"impedance": {"damping": 2.5}}})
+    await console.http.patch("/mission/config", json={"published": {"impedance": {"damping": 2.5}}})
     await console.granted("reset")
     body = (await console.http.get("/mission/config")).json()
-    assert body["config"]["control"]["impedance"]["damping"] == 2.5
+    assert body["config"]["published"]["impedance"]["damping"] == 2.5
     assert body["name"] == "published_figures (edited)"
 
 

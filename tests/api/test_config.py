@@ -9,7 +9,7 @@ import pytest
 from sim.config import PARAMETERS
 from sim.configurations import NAMED_CONFIGURATIONS
 
-DAMPING = {"control": {"impedance": {"damping": 3.0}}}
+DAMPING = {"published": {"impedance": {"damping": 3.0}}}
 
 
 async def test_live_parameter_changes_while_a_mission_flies(console):
@@ -19,7 +19,7 @@ async def test_live_parameter_changes_while_a_mission_flies(console):
     body = answer.json()
     assert answer.status_code == 200
     assert body["name"] == "published_figures (edited)"
-    assert body["edited"] == {"control.impedance.damping": {"from": 0.1, "to": 3.0}}
+    assert body["edited"] == {"published.impedance.damping": {"from": 0.1, "to": 3.0}}
     assert body == (await console.http.get("/mission/config")).json()
     snapshot = await console.snapshot()
     assert snapshot["phase"] == "detumbling"
@@ -51,7 +51,7 @@ async def test_other_parameter_is_refused_while_a_mission_is_under_way(console):
         ('{"target": {"masss": 1}}', "target.masss", ["target.mass?"]),
         ('{"simulation": {"time_step": 3e-4}}', "simulation.time_step", ["0.0003", "control.period"]),
         ('{"target": {"initial_y": 0.1}}', "target.initial_x", ["overlaps", "base"]),
-        ('{"control": {"impedance": 3}}', "control.impedance", ["3"]),
+        ('{"published": {"impedance": 3}}', "published.impedance", ["3"]),
         ('{"contact": {"corner": "round"}}', "contact.corner", ["face", "radial"]),
     ],
 )
@@ -68,7 +68,7 @@ async def test_bad_value_is_named_and_nothing_changes(console, changes, field, w
 
 
 async def test_all_or_nothing(console):
-    changes = {"control": {"impedance": {"damping": 3.0, "stiffness": -1.0}}}
+    changes = {"published": {"impedance": {"damping": 3.0, "stiffness": -1.0}}}
     assert (await console.http.patch("/mission/config", json=changes)).status_code == 422
     assert (await console.http.get("/mission/config")).json()["edited"] == {}
 
@@ -87,9 +87,9 @@ async def test_what_cannot_be_never_reaches_the_mission_thread(console, monkeypa
 async def test_changes_at_once_all_hold_though_each_was_checked_against_another(console):
     """What was checked against parameters that are no longer in force is checked again, not laid over the others'."""
     changes = [{"damping": 3.0}, {"stiffness": 20.0}, {"mass": 0.3}]
-    asked = [console.http.patch("/mission/config", json={"control": {"impedance": each}}) for each in changes]
+    asked = [console.http.patch("/mission/config", json={"published": {"impedance": each}}) for each in changes]
     assert [answer.status_code for answer in await asyncio.gather(*asked)] == [200, 200, 200]
-    impedance = (await console.http.get("/mission/config")).json()["config"]["control"]["impedance"]
+    impedance = (await console.http.get("/mission/config")).json()["config"]["published"]["impedance"]
     assert (impedance["damping"], impedance["stiffness"], impedance["mass"]) == (3.0, 20.0, 0.3)
 
 
@@ -97,7 +97,7 @@ async def test_schema_tells_everything_about_every_parameter(console):
     body = (await console.http.get("/mission/config/schema")).json()
     by_path = {parameter["path"]: parameter for parameter in body["parameters"]}
     assert set(by_path) == set(PARAMETERS)
-    damping = by_path["control.impedance.damping"]
+    damping = by_path["published.impedance.damping"]
     assert damping["unit"] == "N s/m"
     assert damping["live"]
     assert damping["minimum"] == 0

@@ -63,7 +63,10 @@ def test_the_first_who_commands_is_in_control_and_others_are_refused_everything_
     crew["ana"].command("capture")
     control = crew["vic"].mission().control
     assert (control.holder, control.offered_to) == ("ana", None)
-    for ask, argument in ((crew["ben"].command, "hold"), (crew["ben"].change, {"control": {"impedance": {"mass": 1}}})):
+    for ask, argument in (
+        (crew["ben"].command, "hold"),
+        (crew["ben"].change, {"published": {"impedance": {"mass": 1}}}),
+    ):
         assert "ana is in control of the mission" in refusal(ask, argument)
     assert crew["ben"].mission().phase == "detumbling"
     assert crew["vic"].stop().accepted

@@ -126,7 +126,7 @@ async def test_queries_and_paths_are_text(console, value):
 @pytest.mark.parametrize("method", ["POST", "PATCH"])
 async def test_parameters_are_given_as_what_they_are(console, method):
     path, wrap = ("/runs", lambda changes: {"changes": changes}) if method == "POST" else ("/mission/config", dict)
-    for changes in ({"simulation": {"seed": False}}, {"control": {"impedance": {"damping": "3"}}}):
+    for changes in ({"simulation": {"seed": False}}, {"published": {"impedance": {"damping": "3"}}}):
         answer = await console.http.request(method, path, json=wrap(changes))
         assert (answer.status_code, "it is a number" in answer.text) == (422, True)
     deep: dict[str, Any] = {}

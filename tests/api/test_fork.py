@@ -63,7 +63,7 @@ async def test_a_fork_of_a_library_run_goes_its_own_way(console):
     parent = await _flown(console)
     await console.granted("reset")
     await console.granted("fork", run=parent, tick=FORK)
-    changed = await console.http.patch("/mission/config", json={"control": {"impedance": {"damping": 6.0}}})
+    changed = await console.http.patch("/mission/config", json={"published": {"impedance": {"damping": 6.0}}})
     assert changed.status_code == 200
     flown = await _to_the_verdict(console)
     ours, theirs = _ticks(console, flown, FORK), _ticks(console, parent, FORK)

@@ -5,23 +5,23 @@ from __future__ import annotations
 import json
 
 NAN = float("nan")
-SOFT = {"configuration": "published_figures", "changes": {"control": {"impedance": {"damping": 0.25}}}}
+SOFT = {"configuration": "published_figures", "changes": {"published": {"impedance": {"damping": 0.25}}}}
 
 
 async def test_a_preset_is_kept_with_who_and_what_it_comes_to_and_removed(console):
     assert (await console.http.get("/presets")).json() == []
     kept = (await console.http.put("/presets/soft hands", json=SOFT)).json()
     assert (kept["preset"]["name"], kept["preset"]["who"]) == ("soft hands", "operator")
-    assert kept["config"]["control"]["impedance"]["damping"] == 0.25
+    assert kept["config"]["published"]["impedance"]["damping"] == 0.25
     assert (await console.http.get("/presets")).json() == [kept]
 
-    harder = {**SOFT, "changes": {"control": {"impedance": {"damping": 3.0}}}}
+    harder = {**SOFT, "changes": {"published": {"impedance": {"damping": 3.0}}}}
     await console.http.put("/presets/soft hands", json=harder)
     await console.http.put("/presets/Another", json=SOFT)
     names = [each["preset"]["name"] for each in (await console.http.get("/presets")).json()]
     assert names == ["Another", "soft hands"]
     changed = await console.http.patch("/mission/config", json=harder["changes"])
-    assert changed.json()["config"]["control"]["impedance"]["damping"] == 3.0
+    assert changed.json()["config"]["published"]["impedance"]["damping"] == 3.0
 
     assert (await console.http.delete("/presets/soft hands")).status_code == 204
     gone = await console.http.delete("/presets/soft hands")
@@ -31,8 +31,8 @@ async def test_a_preset_is_kept_with_who_and_what_it_comes_to_and_removed(consol
 
 async def test_what_cannot_be_flown_is_not_kept(console):
     for body, words in (
-        ({**SOFT, "changes": {"control": {"impedance": {"mass": -1}}}}, "control.impedance.mass"),
-        ({**SOFT, "changes": {"control": {"impedance": {"stifness": 1}}}}, "stifness"),
+        ({**SOFT, "changes": {"published": {"impedance": {"mass": -1}}}}, "published.impedance.mass"),
+        ({**SOFT, "changes": {"published": {"impedance": {"stifness": 1}}}}, "stifness"),
         ({**SOFT, "configuration": "nowhere"}, "nowhere"),
     ):
         refused = await console.http.put("/presets/broken", json=body)
@@ -46,7 +46,7 @@ async def test_a_preset_of_another_version_is_listed_with_the_reason_why_it_cann
     await console.http.put("/presets/old", json=SOFT)
     path = settings.data_dir / "presets.json"
     kept = json.loads(path.read_text())
-    kept["presets"][0]["changes"] = {"control": {"impedance": {"springiness": 2.0}}}
+    kept["presets"][0]["changes"] = {"published": {"impedance": {"springiness": 2.0}}}
     path.write_text(json.dumps(kept))
     [listed] = (await console.http.get("/presets")).json()
     assert listed["config"] is None

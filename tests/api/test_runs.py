@@ -83,7 +83,7 @@ async def test_live_run_is_recorded_tick_by_tick(console):
     assert run["kind"] == "live"
     assert run["ticks"] == len(ticks)
     assert run["outcome"]["contacts"]
-    assert run["config"]["control"]["impedance"]["damping"] == 0.1
+    assert run["config"]["published"]["impedance"]["damping"] == 0.1
     assert set(run["versions"]) >= {"becalm", "python", "pymunk", "numpy", "numba"}
 
 
@@ -137,13 +137,13 @@ async def test_reset_in_the_middle_keeps_the_run_as_cancelled(console):
 
 
 async def test_scripted_run_equals_the_command_line_and_the_library(console):
-    changes = {"control": {"impedance": {"damping": 3.0}}}
+    changes = {"published": {"impedance": {"damping": 3.0}}}
     answer = await console.http.post("/runs", json={"changes": changes, "direct": True, "seed": 7})
     assert answer.status_code == 202
     assert answer.json()["status"] in ("queued", "running")
     run = await console.until_run(answer.json()["id"], "finished", "failed")
     assert run["status"] == "finished", run["note"]
-    arguments = ["run", "--json", "--direct", "--seed", "7", "--set", "control.impedance.damping=3.0"]
+    arguments = ["run", "--json", "--direct", "--seed", "7", "--set", "published.impedance.damping=3.0"]
     printed = json.loads(CliRunner().invoke(main, arguments).stdout)
     for name, value in run["outcome"].items():
         assert printed[name] == value, name
@@ -260,10 +260,10 @@ async def test_live_run_is_flown_again_from_its_own_log(console):
     http = console.http
     await console.granted("run", speed=20)
     await console.until(lambda snapshot: snapshot.tick > 50)
-    assert (await http.patch("/mission/config", json={"control": {"impedance": {"damping": 2.0}}})).is_success
+    assert (await http.patch("/mission/config", json={"published": {"impedance": {"damping": 2.0}}})).is_success
     await console.granted("capture")
     await console.until(lambda snapshot: snapshot.tick > 1000)
-    assert (await http.patch("/mission/config", json={"control": {"impedance": {"damping": 3.0}}})).is_success
+    assert (await http.patch("/mission/config", json={"published": {"impedance": {"damping": 3.0}}})).is_success
     await console.granted("hold")
     await console.granted("cage")
     await console.granted("run", speed=0)
@@ -344,10 +344,10 @@ async def test_name_and_tags_are_kept_listed_and_bounded(console):
 
 
 async def test_a_run_tells_what_was_changed(console):
-    changes = {"control": {"impedance": {"damping": 3.0}}}
+    changes = {"published": {"impedance": {"damping": 3.0}}}
     run = (await console.http.post("/runs", json={"configuration": "published", "changes": changes, "seed": 7})).json()
     assert [(each["path"], each["configured"], each["value"], each["unit"]) for each in run["changes"]] == [
-        ("control.impedance.damping", 1.5, 3.0, "N s/m")
+        ("published.impedance.damping", 1.5, 3.0, "N s/m")
     ]
     assert run["initial_spin"] == 1.0
 

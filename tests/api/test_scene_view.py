@@ -74,7 +74,7 @@ def test_only_another_geometry_is_drawn_again(scene):
     config = MissionConfig()
     with joined(scene.start()) as browser:
         drained(browser, more_than=WHOLE_SCENE)
-        scene.reconfigure(revised(config, {"control": {"impedance": {"damping": 3.0}}}))
+        scene.reconfigure(revised(config, {"published": {"impedance": {"damping": 3.0}}}))
         assert drained(browser) == 0
         scene.reconfigure(config.model_copy(update={"target": TargetConfig(side=0.2)}))
         assert drained(browser, more_than=WHOLE_SCENE) > WHOLE_SCENE

@@ -21,9 +21,9 @@ GRID = {
     "name": "four",
     "configuration": "published",
     "grid": {
-        "control.impedance.mass": [0.1],
-        "control.impedance.damping": [1.5, 15.0],
-        "control.impedance.stiffness": [0.0, 10.0],
+        "published.impedance.mass": [0.1],
+        "published.impedance.damping": [1.5, 15.0],
+        "published.impedance.stiffness": [0.0, 10.0],
     },
 }
 SAMPLE = {
@@ -175,7 +175,7 @@ async def test_a_study_is_estimated_and_nothing_is_started(console):
             estimate = (await console.http.post("/studies/estimate", json={"study": GRID})).json()
     assert estimate["seconds"] > 0.0
     assert "4 of its cells, flown by" in estimate["basis"]
-    long = {"grid": {"control.impedance.damping": {"from": 0.0, "to": 10.0, "count": 1_000_000}}}
+    long = {"grid": {"published.impedance.damping": {"from": 0.0, "to": 10.0, "count": 1_000_000}}}
     estimate = (await console.http.post("/studies/estimate", json={"study": long})).json()
     assert (estimate["cells"], estimate["confirmation_needed"], len(estimate["axes"][0]["values"])) == (
         1_000_000,
@@ -190,9 +190,9 @@ async def test_a_study_is_estimated_and_nothing_is_started(console):
     ("body", "words"),
     [
         ({"study": "unpublished"}, "unpublished"),
-        ({"study": {"grid": {"control.impedance.mas": [1.0]}}}, "did you mean control.impedance.mass"),
-        ({"study": {"grid": {"control.impedance.mass": {"from": 1.0, "to": 0.5, "count": 3}}}}, "empty"),
-        ({"study": {"grid": {"control.impedance.mass": [-1.0]}}}, "control.impedance.mass"),
+        ({"study": {"grid": {"published.impedance.mas": [1.0]}}}, "did you mean published.impedance.mass"),
+        ({"study": {"grid": {"published.impedance.mass": {"from": 1.0, "to": 0.5, "count": 3}}}}, "empty"),
+        ({"study": {"grid": {"published.impedance.mass": [-1.0]}}}, "published.impedance.mass"),
         ({"study": {}}, "varies nothing"),
         ({"study": "published", "changes": {"contact": {"friction": -1}}}, "contact.friction"),
         ({"study": "published", "seed": -1}, "seed"),

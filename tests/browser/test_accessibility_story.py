@@ -29,7 +29,7 @@ TRIES = 30
 def addresses(service: Service) -> dict[str, str]:
     """What is on each page, by the page's address."""
     one, other = (service.ask("/runs", {"direct": True, "seed": seed})["id"] for seed in (1, 2))
-    grid = {"control.impedance.mass": {"values": [0.05, 0.1]}, "control.impedance.damping": {"values": [1.0, 2.0]}}
+    grid = {"published.impedance.mass": {"values": [0.05, 0.1]}, "published.impedance.damping": {"values": [1.0, 2.0]}}
     study = service.ask("/studies", {"study": {"grid": grid}})["id"]
     service.ask("/mission/commands", {"command": "detumble"})
     return {

@@ -18,25 +18,25 @@ def test_edits_are_staged_bounded_and_applied_together(console: Page, service: S
     def field(name: str) -> Locator:
         return form.get_by_label(name).first
 
-    before = service.ask("/mission/config")["config"]["control"]["impedance"]
+    before = service.ask("/mission/config")["config"]["published"]["impedance"]
     field("Mass").fill("0")
     field("Damping").fill("3")
     staged = console.get_by_role("region", name="Staged changes")
     expect(console.get_by_text("must be greater than 1e-4 kg")).to_be_visible()
     expect(staged.get_by_role("button", name="Apply")).to_be_disabled()
-    assert service.ask("/mission/config")["config"]["control"]["impedance"] == before
+    assert service.ask("/mission/config")["config"]["published"]["impedance"] == before
 
     field("Mass").fill("0.3")
     expect(staged).to_contain_text("2 changes staged")
     staged.get_by_role("button", name="Apply").click()
     expect(staged).to_be_hidden()
     expect(console.get_by_text("published_figures (edited)")).to_be_visible()
-    after = service.ask("/mission/config")["config"]["control"]["impedance"]
+    after = service.ask("/mission/config")["config"]["published"]["impedance"]
     assert (after["mass"], after["damping"], after["stiffness"]) == (0.3, 3.0, before["stiffness"])
 
 
 def test_a_preset_outlives_a_reset_which_asks_before_it_loses_edits(console: Page, service: Service) -> None:
-    service.ask("/mission/config", {"control": {"impedance": {"damping": 0.3}}}, "PATCH")
+    service.ask("/mission/config", {"published": {"impedance": {"damping": 0.3}}}, "PATCH")
     expect(console.get_by_text("published_figures (edited)")).to_be_visible()
     console.get_by_role("button", name="Save as").click()
     console.get_by_label("Preset name").fill("soft hands")
@@ -61,7 +61,7 @@ def test_a_preset_outlives_a_reset_which_asks_before_it_loses_edits(console: Pag
     expect(staged).to_contain_text("1 change staged")
     staged.get_by_role("button", name="Apply").click()
     expect(staged).to_be_hidden()
-    assert service.ask("/mission/config")["config"]["control"]["impedance"]["damping"] == 0.3
+    assert service.ask("/mission/config")["config"]["published"]["impedance"]["damping"] == 0.3
 
 
 def test_a_parameter_that_takes_a_reset_is_refused_at_its_field(console: Page) -> None:

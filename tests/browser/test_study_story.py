@@ -58,5 +58,5 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     expect(console).to_have_url(re.compile("#/mission|/$"))
     assert service.ask("/mission")["phase"] == "idle"  # an operator flies it
     flown = service.ask("/mission/config")["config"]
-    assert flown["control"]["impedance"]["damping"] == chosen["control.impedance.damping"]
+    assert flown["published"]["impedance"]["damping"] == chosen["published.impedance.damping"]
     assert flown["simulation"]["seed"] == chosen["seed"]

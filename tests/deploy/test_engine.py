@@ -178,7 +178,7 @@ def test_workers_of_the_cluster_fly_studies(project):
     project.up("simulation", "scheduler", "worker")
     with project.client("simulation") as client:
         eventually(lambda: flies(client), "the simulation answers")
-        study = {"name": "small", "grid": {"control.impedance.damping": [1.0, 2.0, 3.0]}}
+        study = {"name": "small", "grid": {"published.impedance.damping": [1.0, 2.0, 3.0]}}
         found = client.finished_study(client.start_study(study).id, patience=2 * PATIENCE)
     assert found.status == "finished", found.note
     assert found.progress.done == 3

@@ -87,7 +87,7 @@ class Bench(NamedTuple):
 
     def flying_study(self) -> str:
         """A study that will not have finished when the sample cancels it."""
-        grid = {"control.impedance.mass": {"from": 0.01, "to": 0.5, "count": 500}}
+        grid = {"published.impedance.mass": {"from": 0.01, "to": 0.5, "count": 500}}
         return httpx.post(
             f"http://{self.address}/api/v1/studies", json={"study": {"grid": grid}}, timeout=PATIENCE
         ).json()["id"]

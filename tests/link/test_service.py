@@ -125,7 +125,7 @@ def test_nothing_moves_the_robot_or_takes_it_over_again_on_one_request(robot, se
     for command in commands:
         for body in _bodies(command):
             service.post("/mission/commands", **body)
-    for changes in ({"target": {"mass": 3.0}}, {"control": {"impedance": {"damping": 3.0}}}):
+    for changes in ({"target": {"mass": 3.0}}, {"published": {"impedance": {"damping": 3.0}}}):
         service.process.http.patch("/api/v1/mission/config", json=changes)
     paths = service.process.http.get("/openapi.json").json()["paths"]
     for path, operations in paths.items():

@@ -12,8 +12,8 @@ import pytest
 from sim.capture.events import Event, Ticks
 from sim.capture.mission import prepare
 from sim.capture.run import run_capture
-from sim.capture.snapshot import Outcome
 from sim.configurations import named_configuration, nested, revised
+from sim.snapshot import Outcome
 
 
 class Flown(NamedTuple):

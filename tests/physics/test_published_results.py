@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.capture.snapshot import OutcomeClass
+from sim.snapshot import OutcomeClass
 
 AUTHORS = Path(__file__).parents[2] / "sim" / "study" / "data" / "authors_direct_caging.csv"
 

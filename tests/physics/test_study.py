@@ -18,7 +18,7 @@ STUDY = study_of(
     {
         "seed": 3,
         "direct": True,
-        "grid": {"control.caging.direct_capture_time": [0.4, 0.5]},
+        "grid": {"published.caging.direct_capture_time": [0.4, 0.5]},
         "samples": {
             "count": 4,
             "method": "sobol",

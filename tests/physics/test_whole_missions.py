@@ -11,8 +11,9 @@ import pytest
 from sim.capture.mission import Mission
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, nested, revised
-from sim.control.phases import Activity, Command, Phase, next_phase
+from sim.control.phases import Command, Phase, next_phase
 from sim.errors import ConfigError, MissionRefused, PlantDiverged
+from sim.method.published.memory import Activity
 
 AT_REST = 1e-3
 """[rad/s]: what is left of joint rates of 0.5 rad/s after twenty time constants of the servo (1 ms)."""
@@ -203,7 +204,7 @@ class TestACaptureAndAfter:
         mission.request(Command.DETUMBLE)
         mission.advance(6000)
         assert mission.phase is Phase.HOLDING
-        assert abs(mission.snapshot().spin) < mission.config.control.caging.spin_threshold
+        assert abs(mission.snapshot().spin) < mission.config.published.caging.spin_threshold
         assert mission.outcome is None
 
     def test_time_is_ticks_times_the_period(self):
@@ -234,7 +235,7 @@ class TestLiveChanges:
         mission = self.absorbing()
         before = mission.advance(1)[0]
         changes = {"mass": mass, "damping": damping, "stiffness": stiffness}
-        mission.configure(revised(mission.config, {"control": {"impedance": changes}}))
+        mission.configure(revised(mission.config, {"published": {"impedance": changes}}))
         after = mission.advance(1)[0]
 
         period = mission.config.control.period
@@ -252,14 +253,14 @@ class TestLiveChanges:
 
     def test_of_a_fixed_parameter_are_refused_by_name(self):
         mission = self.absorbing()
-        heavier = revised(mission.config, nested({"target.mass": 3.0, "control.impedance.damping": 3.0}))
+        heavier = revised(mission.config, nested({"target.mass": 3.0, "published.impedance.damping": 3.0}))
         with pytest.raises(MissionRefused, match=r"target\.mass"):
             mission.configure(heavier)
         assert mission.config == named_configuration("published")
 
     def test_of_the_spin_threshold_take_effect(self):
         mission = self.absorbing()
-        mission.configure(revised(mission.config, nested({"control.caging.spin_threshold": 0.9})))
+        mission.configure(revised(mission.config, nested({"published.caging.spin_threshold": 0.9})))
         mission.advance(400)
         assert mission.phase is Phase.CAGING
 

@@ -20,7 +20,7 @@ from sim.config import MissionConfig
 from sim.errors import RunNotFound
 from sim.study.design import study_of
 
-STUDY = study_of({"name": "two", "grid": {"control.impedance.mass": [0.05, 0.1]}})
+STUDY = study_of({"name": "two", "grid": {"published.impedance.mass": [0.05, 0.1]}})
 SPOILED = "20261120T000000000-bad0ad"
 OLD = "2026-01-01T00:00:00.000+00:00"
 

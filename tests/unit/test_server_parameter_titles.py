@@ -13,7 +13,7 @@ from sim.config import PARAMETERS
 @pytest.mark.parametrize(
     ("path", "title"),
     [
-        ("control.impedance.mass", "Virtual mass of the hand"),
+        ("published.impedance.mass", "Virtual mass of the hand"),
         ("robot.base.mass", "Mass of the base"),
         ("robot.arm.link_2.centre_of_mass", "Centre of mass of link 2"),
         ("target.initial_spin", "Initial spin"),
@@ -34,7 +34,7 @@ def test_no_two_parameters_that_mean_different_things_have_one_title():
 
 
 def test_groups_have_headings():
-    assert group_title("control.impedance") == "Impedance of the hands"
+    assert group_title("published.impedance") == "Impedance of the hands"
     assert group_title("some.new_group") == "Some · new group"
     assert len({group_title(path.rpartition(".")[0]) for path in PARAMETERS}) == len(
         {path.rpartition(".")[0] for path in PARAMETERS}

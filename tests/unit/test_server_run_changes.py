@@ -6,7 +6,7 @@ from server.library.changes import MOST_CHANGES_TOLD, change_words, changed_word
 
 
 def test_a_change_has_its_path_both_values_and_its_unit():
-    assert change_words("control.impedance.damping", 1.5, 3.0) == "control.impedance.damping 1.5 → 3 N s/m"
+    assert change_words("published.impedance.damping", 1.5, 3.0) == "published.impedance.damping 1.5 → 3 N s/m"
 
 
 def test_what_has_no_unit_is_told_without():
@@ -18,7 +18,7 @@ def test_many_changes_stay_one_readable_line():
     few = {"target.mass": (2.35, 2.5), "contact.friction": (0.1, 0.2)}
     assert changed_words(few) == "target.mass 2.35 → 2.5 kg; contact.friction 0.1 → 0.2"
     many = dict.fromkeys(["simulation.seed", *(f"target.{name}" for name in ("mass", "inertia", "side"))], (1, 2))
-    many |= dict.fromkeys([f"control.impedance.{name}" for name in ("mass", "damping", "stiffness")], (1, 2))
+    many |= dict.fromkeys([f"published.impedance.{name}" for name in ("mass", "damping", "stiffness")], (1, 2))
     assert len(many) == MOST_CHANGES_TOLD + 1
     assert changed_words(many).endswith("; and 1 more")
 

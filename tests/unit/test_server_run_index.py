@@ -15,10 +15,10 @@ from server.library import index as run_index
 from server.library.folder import RECORD_NAME, Note, Remarks, write_record
 from server.library.index import FILE_NAME, RunIndex, RunQuery
 from server.library.runs import RunStore, new_record
-from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.errors import ConfigError
+from sim.snapshot import Outcome, OutcomeClass
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def test_the_verdict_and_the_papers_are_two_filters(store, index):
 
 def test_runs_are_found_by_what_people_call_them_and_by_what_was_changed(store, index):
     plain = kept(store)
-    config = revised(MissionConfig(), nested({"control.impedance.damping": 3.0}))
+    config = revised(MissionConfig(), nested({"published.impedance.damping": 3.0}))
     damped = kept(store, configuration="published (edited)", config=config)
     store.remark(plain, Remarks(name="The Reference", tags=("paper", "Figure 7", "paper")))
     assert found(index, text="impedance.damping") == found(index, text="DAMPING 3.0 edited") == [damped]
@@ -99,7 +99,7 @@ def test_runs_are_found_by_what_people_call_them_and_by_what_was_changed(store, 
     [
         ("seed", {"simulation.seed": 3}),
         ("initial_spin", {"target.initial_spin": 2.0}),
-        ("changes", {"control.impedance.damping": 3.0}),
+        ("changes", {"published.impedance.damping": 3.0}),
     ],
 )
 def test_runs_are_ordered_by_what_was_chosen(store, index, sort, values):

@@ -10,7 +10,7 @@ from sim.study.design import study_of
 from sim.study.run import failed_row
 from sim.study.table import StudyTable
 
-STUDY = study_of({"name": "three", "grid": {"control.impedance.mass": [0.05, 0.1, 0.2]}})
+STUDY = study_of({"name": "three", "grid": {"published.impedance.mass": [0.05, 0.1, 0.2]}})
 
 
 @pytest.fixture

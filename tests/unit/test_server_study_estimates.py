@@ -18,7 +18,7 @@ PATIENCE = 60.0
 
 
 def study(mass: float, **fields):
-    return study_of({"grid": {"control.impedance.mass": [mass, 2 * mass]}, **fields})
+    return study_of({"grid": {"published.impedance.mass": [mass, 2 * mass]}, **fields})
 
 
 class Trial:
@@ -33,7 +33,7 @@ class Trial:
         monkeypatch.setattr(flight, "fly_cell", self._fly)
 
     def _fly(self, task):
-        self.flown.append(task.cell.values["control.impedance.mass"])
+        self.flown.append(task.cell.values["published.impedance.mass"])
         self.began.set()
         assert self.may_end.wait(PATIENCE)
         return {}

@@ -56,12 +56,12 @@ def test_what_is_no_instant_says_how_to_write_one(text):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"simulation": {"seed": False}}, {"control": {"impedance": {"mass": True}}}, {"target": {"mass": "2.35"}}],
+    [{"simulation": {"seed": False}}, {"published": {"impedance": {"mass": True}}}, {"target": {"mass": "2.35"}}],
 )
 def test_a_parameter_that_is_a_number_is_given_as_one(changes):
     assert "it is a number" in refused(Changes, changes)
 
 
 def test_what_else_changes_say_is_not_looked_at_here():
-    changes = {"nonesuch": True, "control": {"impedance": {"mass": 0.1}}, "robot": "x"}
+    changes = {"nonesuch": True, "published": {"impedance": {"mass": 0.1}}, "robot": "x"}
     assert TypeAdapter(Changes).validate_python(changes) == changes

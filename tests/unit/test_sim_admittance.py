@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from sim.compiled import FloatArray
-from sim.config import ImpedanceConfig
 from sim.control.admittance import admittance_transition, admitted
+from sim.method.published.parameters import ImpedanceConfig
 
 PERIOD = 1e-3
 AGAINST_INTEGRATION = 1e-9

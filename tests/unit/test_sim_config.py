@@ -62,7 +62,7 @@ class TestEveryParameter:
 
     def test_geometry_and_numerics_are_not_live_and_the_impedance_is(self):
         live = {path for path in PARAMETERS if is_live(path)}
-        assert {f"control.impedance.{name}" for name in ("mass", "damping", "stiffness")} <= live
+        assert {f"published.impedance.{name}" for name in ("mass", "damping", "stiffness")} <= live
         assert not [path for path in live if path.startswith(("robot.", "target.", "simulation.", "contact."))]
 
 
@@ -87,7 +87,7 @@ class TestRefusal:
         assert unit == "1" or f"[{unit}]" in message
 
     @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-    @pytest.mark.parametrize("path", ["target.mass", "control.impedance.damping", "target.initial_x"])
+    @pytest.mark.parametrize("path", ["target.mass", "published.impedance.damping", "target.initial_x"])
     def test_of_what_is_not_a_finite_number(self, path, value):
         with pytest.raises(ConfigError, match=path):
             revised(MissionConfig(), nested({path: value}))
@@ -103,8 +103,8 @@ class TestRefusal:
             revised(MissionConfig(), nested({"simulation.seed": value}))
 
     def test_of_an_unknown_field_names_the_nearest(self):
-        with pytest.raises(ConfigError, match=r"control\.impedance\.dampign.*did you mean control\.impedance\.damping"):
-            revised(MissionConfig(), nested({"control.impedance.dampign": 3.0}))
+        with pytest.raises(ConfigError, match=r"impedance\.dampign.*did you mean published\.impedance\.damping"):
+            revised(MissionConfig(), nested({"published.impedance.dampign": 3.0}))
 
     def test_of_an_unknown_choice_names_those_there_are(self):
         with pytest.raises(ConfigError, match=r"contact\.corner = 'round'.*face.*radial"):
@@ -148,13 +148,13 @@ class TestRefusal:
 
     def test_of_no_other_change_to_a_stored_configuration_that_has_one(self):
         stored = MissionConfig.model_validate({"target": {"inertia": 1.0}})
-        assert revised(stored, {"control": {"impedance": {"damping": 3.0}}}).target.inertia == 1.0
+        assert revised(stored, {"published": {"impedance": {"damping": 3.0}}}).target.inertia == 1.0
 
     def test_of_several_at_once_names_each(self):
         with pytest.raises(ConfigError) as refusal:
-            revised(MissionConfig(), nested({"target.mass": -1.0, "control.impedance.mass": 0.0}))
+            revised(MissionConfig(), nested({"target.mass": -1.0, "published.impedance.mass": 0.0}))
         assert "target.mass = -1.0" in str(refusal.value)
-        assert "control.impedance.mass = 0.0" in str(refusal.value)
+        assert "published.impedance.mass = 0.0" in str(refusal.value)
 
     @pytest.mark.parametrize("step", [0.3e-3, 0.7e-3, 2e-3])
     def test_of_a_step_that_does_not_divide_the_control_period(self, step):

@@ -23,25 +23,25 @@ COMPUTED_WITH = {
     "contact.friction": 0.3,
     "contact.stiffness": 800.0,
     "contact.damping": 2.0,
-    "control.touch.contact_position": 0.75,
-    "control.touch.hand_tilt": math.radians(5),
-    "control.touch.target_tilt": math.radians(18),
-    "control.touch.minimum_approach_time": 1.0,
-    "control.touch.wait_margin": 1.03,
-    "control.touch.contact_time_factor": 0.8,
-    "control.touch.absorb_time": 0.35,
-    "control.touch.admittance_fraction": 0.8,
-    "control.touch.idle_arm_distance_factor": 1.2,
-    "control.touch.idle_arm_joint_limit": math.radians(30),
-    "control.caging.spin_threshold": 0.5,
-    "control.caging.switching_delay": 0.5,
-    "control.caging.slow_spin": 0.3,
-    "control.caging.capture_margin": 1.05,
-    "control.caging.capture_time": 0.6,
-    "control.caging.direct_capture_time": 0.5,
-    "control.impedance.mass": 0.1,
-    "control.impedance.damping": 1.5,
-    "control.impedance.stiffness": 10.0,
+    "published.touch.contact_position": 0.75,
+    "published.touch.hand_tilt": math.radians(5),
+    "published.touch.target_tilt": math.radians(18),
+    "published.touch.minimum_approach_time": 1.0,
+    "published.touch.wait_margin": 1.03,
+    "published.touch.contact_time_factor": 0.8,
+    "published.touch.absorb_time": 0.35,
+    "published.touch.admittance_fraction": 0.8,
+    "published.touch.idle_arm_distance_factor": 1.2,
+    "published.touch.idle_arm_joint_limit": math.radians(30),
+    "published.caging.spin_threshold": 0.5,
+    "published.caging.switching_delay": 0.5,
+    "published.caging.slow_spin": 0.3,
+    "published.caging.capture_margin": 1.05,
+    "published.caging.capture_time": 0.6,
+    "published.caging.direct_capture_time": 0.5,
+    "published.impedance.mass": 0.1,
+    "published.impedance.damping": 1.5,
+    "published.impedance.stiffness": 10.0,
     "control.period": 1e-3,
     "robot.arm.link_1.centre_of_mass": 0.22098,
     "robot.arm.link_2.length": 0.180,
@@ -59,9 +59,9 @@ COMPUTED_WITH = {
 
 PRINTED = {
     "contact.friction": 0.1,
-    "control.touch.contact_position": 0.8,
-    "control.touch.hand_tilt": 0.175,
-    "control.touch.target_tilt": 0.175,
+    "published.touch.contact_position": 0.8,
+    "published.touch.hand_tilt": 0.175,
+    "published.touch.target_tilt": 0.175,
     "robot.arm.link_1.centre_of_mass": 0.229,
     "robot.arm.link_2.length": 0.175,
     "robot.base.mass": 8.31,
@@ -86,14 +86,14 @@ def test_as_printed_has_the_papers_tables():
 def test_as_printed_differs_in_nothing_but_the_tables():
     different = differences(named_configuration("published"), named_configuration("as_printed"))
     assert PRINTED.keys() <= different.keys()
-    assert all(path.startswith(("robot.", "target.", "contact.", "control.touch.")) for path in different)
+    assert all(path.startswith(("robot.", "target.", "contact.", "published.touch.")) for path in different)
 
 
 def test_published_figures_differs_in_the_impedance_alone():
     assert differences(named_configuration("published"), named_configuration("published_figures")) == {
-        "control.impedance.mass": (0.1, 0.2),
-        "control.impedance.damping": (1.5, 0.1),
-        "control.impedance.stiffness": (10.0, 0.1),
+        "published.impedance.mass": (0.1, 0.2),
+        "published.impedance.damping": (1.5, 0.1),
+        "published.impedance.stiffness": (10.0, 0.1),
     }
 
 
@@ -122,8 +122,8 @@ def test_merged_lays_changes_over_and_leaves_the_first_alone():
 class TestFiles:
     def test_toml(self, tmp_path):
         file = tmp_path / "gentle.toml"
-        file.write_text("[control.impedance]\ndamping = 3.0\n", encoding="utf-8")
-        assert revised(MissionConfig(), read_config_file(file)).control.impedance.damping == 3.0
+        file.write_text("[published.impedance]\ndamping = 3.0\n", encoding="utf-8")
+        assert revised(MissionConfig(), read_config_file(file)).published.impedance.damping == 3.0
 
     def test_json(self, tmp_path):
         file = tmp_path / "whole.json"

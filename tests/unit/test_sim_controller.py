@@ -10,19 +10,12 @@ import pytest
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.admittance import admittance_transition
-from sim.control.controller import (
-    absorb,
-    advance_phase,
-    begin_sequence,
-    command_rates,
-    control,
-    hand_twists,
-    hold_joints,
-    idle_arm_is_free,
-    note_events,
-)
-from sim.control.memory import MEMORY, NEVER, PlanKind
-from sim.control.phases import Activity, Phase, Sequence
+from sim.control.hand_motion import command_rates, hand_twists, hold_joints
+from sim.control.memory import MEMORY, NEVER
+from sim.control.phases import Phase, Sequence, Verdict
+from sim.method.method import begin_sequence, decide
+from sim.method.published.memory import PUBLISHED_MEMORY, Activity, PlanKind, PublishedHandle
+from sim.method.published.sequence import absorb, idle_arm_is_free
 from sim.model.clearance import initial_base_pose
 from sim.model.generalized_jacobian import free_flying_model, momentum
 from sim.model.robot import chain, initial_joint_angles, robot_model
@@ -32,14 +25,18 @@ from sim.record import record_of
 CONFIG = MissionConfig()
 ROBOT = robot_model(CONFIG.robot)
 PARAMETERS = record_of(CONFIG)
-TRANSITION = admittance_transition(CONFIG.control.impedance, CONFIG.control.period)
+TRANSITION = admittance_transition(CONFIG.published.impedance, CONFIG.control.period)
 RATES = np.array([1.0, -2.0, 0.5, 0.0, 3.0, -1.0])
+
+
+OWN = PublishedHandle(np.zeros(1, PUBLISHED_MEMORY), TRANSITION)
+"""The method's handle, which every test begins from nothing."""
 
 
 def at_start(phase: Phase = Phase.IDLE, sequence: Sequence = Sequence.NONE):
     """Memory, state and chain of a mission that begins such a sequence."""
     memory, state = np.zeros(1, MEMORY)[0], np.zeros(1, PLANT_STATE)[0]
-    begin_sequence(memory, int(phase), int(sequence))
+    begin_sequence(OWN, memory, int(phase), int(sequence))
     state["base_pose"] = initial_base_pose(CONFIG)
     state["joint_angle"] = initial_joint_angles(CONFIG.robot.arm)
     state["target_pose"], state["target_twist"] = (0.0, 0.35, 0.0), (0.0, 0.0, 1.0)
@@ -50,8 +47,8 @@ def links_of(state):
     return chain(ROBOT, state["base_pose"], state["joint_angle"], state["mount_angle"])
 
 
-def run(memory, state, parameters=PARAMETERS):
-    control(memory, parameters, TRANSITION, ROBOT, state, links_of(state))
+def run(memory, state, parameters=PARAMETERS, verdict=Verdict.NONE):
+    decide(OWN, memory, parameters, ROBOT, state, links_of(state), int(verdict))
 
 
 class TestRateBound:
@@ -149,13 +146,14 @@ class TestTracking:
 class TestAbsorbing:
     def test_begins_at_rest_and_keeps_its_displacement(self):
         memory, state, links = at_start()
-        memory["admittance_velocity"], memory["admittance_displacement"] = 9.0, 0.01
+        own = OWN.own[0]
+        own["admittance_velocity"], own["admittance_displacement"] = 9.0, 0.01
         velocity = np.zeros((2, 3))
-        absorb(memory, TRANSITION, state, links.hand_pose, velocity)
-        period, impedance = CONFIG.control.period, CONFIG.control.impedance
+        absorb(own, memory, TRANSITION, state, links.hand_pose, velocity)
+        period, impedance = CONFIG.control.period, CONFIG.published.impedance
         fall = -impedance.stiffness * 0.01 / impedance.mass * period
         assert velocity == pytest.approx(np.full((2, 3), fall), rel=0.02)
-        assert memory["absorbing"]
+        assert own["absorbing"]
 
     def test_goes_on_from_its_velocity(self):
         memory, state, links = at_start()
@@ -163,21 +161,20 @@ class TestAbsorbing:
         state["hand_wrench"][1, 0] = 0.5
         speeds = []
         for _ in range(5):
-            absorb(memory, TRANSITION, state, links.hand_pose, velocity)
+            absorb(OWN.own[0], memory, TRANSITION, state, links.hand_pose, velocity)
             speeds.append(velocity[1, 0])
         assert all(later > earlier for earlier, later in zip([0.0, *speeds], speeds, strict=False))
         assert not velocity[0].any()
 
     def test_lasts_its_part_of_d_from_the_last_contact(self):
-        memory, state, links = at_start(Phase.DETUMBLING, Sequence.CAPTURE)
+        memory, state, _ = at_start(Phase.DETUMBLING, Sequence.CAPTURE)
         activities = {}
         state["tip_contact"][1, 0] = 1
-        note_events(memory, PARAMETERS, state)
-        state["tip_contact"][1, 0] = 0
         for time in (0.0, 0.279, 0.281, 0.349, 0.351):
             state["time"] = time
-            advance_phase(memory, PARAMETERS, state, links.hand_pose)
+            run(memory, state)
             activities[time] = Activity(int(memory["activity"]))
+            state["tip_contact"][1, 0] = 0
         assert activities == {
             0.0: Activity.ABSORBING,
             0.279: Activity.ABSORBING,
@@ -193,54 +190,53 @@ class TestEvents:
         for phase, remembered in ((Phase.DETUMBLING, True), (Phase.CAGING, True), (Phase.HOLDING, False)):
             memory, state, _ = at_start(phase, Sequence.CAPTURE)
             state["time"], state["tip_contact"][0, 1] = 2.0, 1
-            note_events(memory, PARAMETERS, state)
-            assert (memory["last_contact"] == 2.0) == remembered
+            run(memory, state)
+            assert (OWN.own[0]["last_contact"] == 2.0) == remembered
 
     def test_first_slow_instant_is_kept(self):
         memory, state, _ = at_start(Phase.DETUMBLING, Sequence.CAPTURE)
         for time, spin in ((1.0, 0.51), (2.0, -0.49), (3.0, 0.6), (4.0, 0.1)):
             state["time"], state["target_twist"][2] = time, spin
-            note_events(memory, PARAMETERS, state)
-        assert memory["slow_since"] == 2.0
+            run(memory, state)
+        assert OWN.own[0]["slow_since"] == 2.0
 
     @pytest.mark.parametrize(
         ("sequence", "following"), [(Sequence.CAPTURE, Phase.CAGING), (Sequence.DETUMBLE_ONLY, Phase.HOLDING)]
     )
     def test_detumbling_ends_d_after_the_spin_is_slow(self, sequence, following):
-        memory, state, links = at_start(Phase.DETUMBLING, sequence)
-        memory["slow_since"] = 1.0
+        memory, state, _ = at_start(Phase.DETUMBLING, sequence)
+        OWN.own[0]["slow_since"] = 1.0
         for time, phase in ((1.349, Phase.DETUMBLING), (1.352, following)):
             state["time"] = time
-            advance_phase(memory, PARAMETERS, state, links.hand_pose)
+            run(memory, state)
             assert memory["phase"] == phase
 
     def test_caging_locks_when_the_plan_is_done_and_the_tips_enclose(self):
-        memory, state, links = at_start(Phase.CAGING, Sequence.CAGE_ONLY)
-        advance_phase(memory, PARAMETERS, state, links.hand_pose)
+        memory, state, _ = at_start(Phase.CAGING, Sequence.CAGE_ONLY)
+        run(memory, state)
         assert memory["activity"] == Activity.CLOSING
         state["time"] = 60.0
-        advance_phase(memory, PARAMETERS, state, links.hand_pose)
+        run(memory, state)
         assert (memory["phase"], memory["activity"]) == (Phase.CAGING, Activity.WAITING)
         memory["closed"] = 1
-        advance_phase(memory, PARAMETERS, state, links.hand_pose)
+        run(memory, state)
         assert memory["phase"] == Phase.HOLDING
 
     def test_a_contact_in_caging_makes_a_new_plan_unless_closed(self):
         for closed, plans in ((0, 2), (1, 1)):
-            memory, state, links = at_start(Phase.CAGING, Sequence.CAGE_ONLY)
-            advance_phase(memory, PARAMETERS, state, links.hand_pose)
+            memory, state, _ = at_start(Phase.CAGING, Sequence.CAGE_ONLY)
+            run(memory, state)
             state["time"], state["tip_contact"][0, 0] = 0.5, 1
-            note_events(memory, PARAMETERS, state)
+            run(memory, state)
             state["tip_contact"][0, 0], memory["closed"], state["time"] = 0, closed, 0.851
-            advance_phase(memory, PARAMETERS, state, links.hand_pose)
+            run(memory, state)
             assert memory["plan_count"] == plans
 
     def test_direct_caging_plans_once(self):
-        memory, state, links = at_start(Phase.CAGING, Sequence.DIRECT_CAGE)
+        memory, state, _ = at_start(Phase.CAGING, Sequence.DIRECT_CAGE)
         for time, contact in ((0.0, 0), (0.5, 1), (1.0, 0), (2.0, 0)):
             state["time"], state["tip_contact"][0, 0] = time, contact
-            note_events(memory, PARAMETERS, state)
-            advance_phase(memory, PARAMETERS, state, links.hand_pose)
+            run(memory, state)
         assert memory["plan_count"] == 1
 
 
@@ -267,13 +263,34 @@ class TestIdleArm:
         assert not self.free(state)
 
 
+@pytest.mark.parametrize(
+    ("verdict", "phase"),
+    [
+        (Verdict.EJECTION, Phase.HOLDING),
+        (Verdict.BASE_COLLISION, Phase.STOPPED),
+        (Verdict.TIME_LIMIT, Phase.HOLDING),
+        (Verdict.LOCKED, Phase.HOLDING),
+    ],
+)
+def test_a_verdict_ends_the_sequence_with_the_joints_held(verdict, phase):
+    memory, state, _ = at_start(Phase.DETUMBLING, Sequence.CAPTURE)
+    run(memory, state)
+    state["time"] = 0.5
+    run(memory, state)
+    assert memory["commanded_joint_rate"].any()
+    run(memory, state, verdict=verdict)
+    assert (memory["phase"], memory["activity"], memory["sequence"]) == (phase, Activity.NONE, Sequence.NONE)
+    assert not memory["commanded_joint_rate"].any()
+
+
 def test_a_sequence_begins_with_nothing_left_of_the_last():
-    memory = np.zeros(1, MEMORY)[0]
-    memory["plan_kind"], memory["plan_knots"], memory["cage_planned"], memory["absorbing"] = PlanKind.CAGE, 3, 1, 1
-    memory["admittance_displacement"], memory["slow_since"], memory["last_contact"] = 0.1, 3.0, 4.0
-    begin_sequence(memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
+    memory, own = np.zeros(1, MEMORY)[0], OWN.own[0]
+    memory["plan_kind"], memory["plan_knots"] = PlanKind.CAGE, 3
+    own["cage_planned"], own["absorbing"] = 1, 1
+    own["admittance_displacement"], own["slow_since"], own["last_contact"] = 0.1, 3.0, 4.0
+    begin_sequence(OWN, memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
     assert memory["plan_kind"] == PlanKind.NONE
-    assert memory["plan_knots"] == memory["cage_planned"] == memory["absorbing"] == 0
-    assert not memory["admittance_displacement"].any()
-    assert memory["slow_since"] == math.inf
-    assert memory["last_contact"] == NEVER
+    assert memory["plan_knots"] == own["cage_planned"] == own["absorbing"] == 0
+    assert not own["admittance_displacement"].any()
+    assert own["slow_since"] == math.inf
+    assert own["last_contact"] == NEVER

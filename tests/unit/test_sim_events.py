@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from sim.capture.events import events_of, touch_event, verdict_event, verdict_in_words
-from sim.capture.snapshot import Outcome, OutcomeClass, Touch
 from sim.capture.tick import TICK
 from sim.config import MissionConfig
-from sim.control.phases import Activity, Phase
+from sim.control.phases import Phase
 from sim.errors import Cause
+from sim.method.published.memory import Activity
+from sim.snapshot import Outcome, OutcomeClass, Touch
 
 CONFIG = MissionConfig()
 PERIOD = CONFIG.control.period

@@ -13,22 +13,21 @@ from sim.capture.caging import Cage
 from sim.capture.judge import (
     JUDGEMENT,
     MAX_TOUCHES,
-    Verdict,
     begin_judgement,
     judge,
     outcome_of,
     overlaps_base,
     touches_of,
 )
-from sim.capture.snapshot import Outcome, OutcomeClass
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.memory import MEMORY
-from sim.control.phases import Phase, Sequence
+from sim.control.phases import Phase, Sequence, Verdict
 from sim.model.clearance import initial_base_pose
 from sim.model.robot import chain, initial_joint_angles, robot_model
 from sim.plant.plant import PLANT_STATE
 from sim.record import record_of
+from sim.snapshot import Outcome, OutcomeClass
 
 CONFIG = MissionConfig()
 ROBOT = robot_model(CONFIG.robot)
@@ -111,7 +110,7 @@ class TestTouches:
 
     def test_a_touch_while_a_plan_runs_is_unplanned(self):
         bench = Bench()
-        bench.memory["plan_knots"], bench.memory["plan_time"] = 2, [0.0, 2.0, 0.0]
+        bench.memory["plan_knots"], bench.memory["plan_time"][:2] = 2, [0.0, 2.0]
         bench.look(1.0, left=0.2)
         bench.look(2.5)
         bench.look(3.0, right=0.2)
@@ -246,7 +245,7 @@ class TestOutcome:
         bench.close_the_hands()
         bench.look(5.0)
         if unplanned_after:
-            bench.memory["plan_knots"], bench.memory["plan_time"] = 2, [4.0, 6.0, 0.0]
+            bench.memory["plan_knots"], bench.memory["plan_time"][:2] = 2, [4.0, 6.0]
         bench.look(5.5, left=after)
         bench.memory["phase"] = Phase.HOLDING
         bench.look(6.0)

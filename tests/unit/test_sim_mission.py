@@ -7,10 +7,10 @@ import pytest
 
 from sim.capture.mission import Mission
 from sim.capture.run import run_capture
-from sim.capture.snapshot import Snapshot
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command, Phase
+from sim.snapshot import Snapshot
 
 SHORT = revised(MissionConfig(), nested({"judging.time_limit": 0.5}))
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from sim.capture.narration import description, readiness
-from sim.capture.snapshot import Outcome, OutcomeClass, Plan, Touch
 from sim.capture.stages import Visit, stages, visits_after
 from sim.capture.tick import TICK
 from sim.config import MissionConfig
-from sim.control.phases import Activity, Phase
+from sim.control.phases import Phase
+from sim.method.published.memory import Activity
+from sim.snapshot import Outcome, OutcomeClass, Plan, Touch
 
 CONFIG = MissionConfig()
 POSE = (0.0, 0.0, 0.0)
@@ -35,7 +36,7 @@ def plan(kind="touch", arm="right", until=3.0) -> Plan:
 
 
 def told(*args, planned: Plan | None = None, touches=(), **kwargs) -> str:
-    return description(row(*args, **kwargs), args[0], planned, list(touches), None)
+    return description(row(*args, **kwargs), CONFIG, args[0], planned, list(touches), None)
 
 
 class TestDescription:
@@ -148,7 +149,7 @@ def flown(*parts: tuple[Phase, float, int], outcome: Outcome | None = None, now:
     rows = [row(phase, time=0.5 * place, spin=spin, closed=closed) for place, (phase, spin, closed) in enumerate(parts)]
     visits: list[Visit] = []
     for each in rows:
-        visits = visits_after(visits, np.array([each]), 0.5)
+        visits = visits_after(visits, np.array([each]), CONFIG)
     found = stages(visits, now or parts[-1][0], outcome)
     return [f"{stage.phase} {stage.state}" for stage in found]
 
@@ -186,7 +187,7 @@ class TestStages:
             np.array(
                 [row(*each[:1], time=t, spin=each[1]) for t, each in ((0.0, IDLE), (1.0, SPINNING), (3.5, SPINNING))]
             ),
-            0.5,
+            CONFIG,
         )
         found = stages(visits, Phase.STOPPED, None)
         assert [stage.lasted for stage in found] == [1.0, 2.5, None, None, 0.0]

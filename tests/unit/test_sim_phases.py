@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim.control.phases import Activity, Command, Phase, Sequence, allowed_commands, next_phase
+from sim.control.phases import Command, Phase, Sequence, allowed_commands, next_phase
 from sim.errors import MissionRefused
 
 IDLE, DETUMBLING, CAGING, HOLDING, RELEASED, STOPPED, FAULTED = Phase
@@ -61,4 +61,3 @@ def test_labels_are_those_of_rest_and_screens():
     assert [phase.label for phase in Phase] == [
         "idle", "detumbling", "caging", "holding", "released", "stopped", "faulted",
     ]  # fmt: skip
-    assert Activity.ABSORBING.label == "absorbing"

@@ -15,7 +15,7 @@ HISTORY = FlightHistory(
     config=MissionConfig(),
     interventions=(
         Intervention(tick=137, command=Command.CAPTURE),
-        Intervention(tick=3470, changes={"control.impedance.damping": 3.0}),
+        Intervention(tick=3470, changes={"published.impedance.damping": 3.0}),
         Intervention(tick=3600, command=Command.HOLD),
         Intervention(tick=3900, command=Command.CAGE),
     ),
@@ -82,7 +82,7 @@ def test_ticks_at_rest_may_be_missing(flown):
 def test_the_configuration_is_the_one_in_force_then(flown):
     playback = Playback(HISTORY, Recording(flown[0]).read)
     playback.at(5.0)
-    assert playback.config.control.impedance.damping == 3.0
+    assert playback.config.published.impedance.damping == 3.0
     playback.at(2.0)
     assert playback.config == HISTORY.config
 

@@ -24,9 +24,9 @@ HISTORY = FlightHistory(
     config=MissionConfig(),
     interventions=(
         Intervention(tick=137, command=Command.CAPTURE),
-        Intervention(tick=3470, changes={"control.impedance.damping": 3.0, "control.impedance.mass": 0.05}),
+        Intervention(tick=3470, changes={"published.impedance.damping": 3.0, "published.impedance.mass": 0.05}),
         Intervention(tick=3600, command=Command.HOLD),
-        Intervention(tick=3600, changes={"control.impedance.damping": 0.7}),
+        Intervention(tick=3600, changes={"published.impedance.damping": 0.7}),
         Intervention(tick=3611, command=Command.CAGE),
         Intervention(tick=3900, command=Command.STOP),
     ),
@@ -72,8 +72,8 @@ def test_flown_to_any_tick_goes_on_as_it_did(flown, tick):
 def test_what_is_granted_at_the_tick_is_left_undone():
     assert flown_to(HISTORY, 137).phase is Phase.IDLE
     assert flown_to(HISTORY, 138).phase is Phase.DETUMBLING
-    assert flown_to(HISTORY, 3470).config.control.impedance.damping == 1.5
-    assert flown_to(HISTORY, 3471).config.control.impedance.damping == 3.0
+    assert flown_to(HISTORY, 3470).config.published.impedance.damping == 1.5
+    assert flown_to(HISTORY, 3471).config.published.impedance.damping == 3.0
 
 
 @pytest.mark.parametrize("size", [1000, 333])
@@ -91,7 +91,7 @@ def test_ticks_at_rest_may_be_missing(flown):
 
 def test_another_controller_is_found_at_its_first_command(flown):
     other = HISTORY.model_copy(
-        update={"config": revised(HISTORY.config, nested({"control.touch.contact_position": 0.7}))}
+        update={"config": revised(HISTORY.config, nested({"published.touch.contact_position": 0.7}))}
     )
     difference = first_difference(flown, np.concatenate(list(controlled(other, [flown]))))
     assert difference.tick >= 137

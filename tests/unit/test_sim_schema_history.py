@@ -10,7 +10,6 @@ import pytest
 
 from server.library.folder import RunRecord
 from sim import configurations
-from sim.capture.snapshot import Outcome
 from sim.capture.tick import QUANTITIES
 from sim.config import PARAMETERS, MissionConfig
 from sim.configurations import revised, unknown_parameter
@@ -28,6 +27,7 @@ from sim.schema_history import (
     todays_name,
     under_todays_names,
 )
+from sim.snapshot import Outcome
 from sim.stored import read_parameters, read_parameters_file, read_tree
 from sim.study.run import MEASURES
 

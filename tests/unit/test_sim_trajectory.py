@@ -11,17 +11,10 @@ from hypothesis import strategies as st
 
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
-from sim.control.memory import MEMORY, PlanKind
-from sim.control.trajectory import (
-    BOTH_ARMS,
-    follow,
-    plan_cage,
-    plan_end,
-    plan_release,
-    plan_touch,
-    time_scaling,
-    time_to_angle,
-)
+from sim.control.memory import MEMORY
+from sim.control.trajectory import BOTH_ARMS, follow, plan_end, time_scaling, time_to_angle
+from sim.method.published.memory import PlanKind
+from sim.method.published.plans import plan_cage, plan_release, plan_touch
 from sim.plant.plant import PLANT_STATE
 from sim.record import record_of
 
@@ -248,6 +241,6 @@ def test_without_a_plan_its_end_has_long_passed():
 
 
 def test_contact_position_moves_the_touch_along_the_face():
-    near_corner = record_of(revised(MissionConfig(), nested({"control.touch.contact_position": 1.0})))
+    near_corner = record_of(revised(MissionConfig(), nested({"published.touch.contact_position": 1.0})))
     middle, edge = touch_plan()["plan_pose"][1, 2], touch_plan(near_corner)["plan_pose"][1, 2]
     assert np.hypot(*(edge - middle)[:2]) == pytest.approx(0.25 * 0.075)

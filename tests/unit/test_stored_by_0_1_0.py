@@ -21,7 +21,9 @@ from server.library.presets import PresetStore
 from server.library.runs import RunStore
 from server.studies.store import StudyStore
 from sim.capture.tick import column_values
-from sim.configurations import named_configuration, read_config_file, revised
+from sim.configurations import named_configuration, revised
+from sim.schema_history import PARAMETER_CHANGES, todays_name
+from sim.stored import read_parameters_file
 
 GOLDEN = Path(__file__).parent / "golden" / "data_folder_of_0_1_0.tar.xz"
 STOPPED = "20261130T011241700-531511"
@@ -73,11 +75,11 @@ def test_every_tick_of_a_run_is_read_to_the_last_bit(data: Path, run_id: str) ->
 def test_a_live_mission_keeps_its_story(data: Path) -> None:
     reader = RunStore(data / "runs").read(STOPPED)
     assert (reader.record.status, reader.record.configuration) == ("cancelled", "published_figures (edited)")
-    assert reader.record.config.control.impedance.damping == 3.0
+    assert reader.record.config.published.impedance.damping == 3.0
     history = reader.history()
     assert [(each.tick, each.command, each.changes) for each in history.interventions] == [
         (1, "capture", {}),
-        (121, None, {"control.impedance.damping": 1.5}),
+        (121, None, {"published.impedance.damping": 1.5}),
         (201, "stop", {}),
     ]
     assert reader.remarks.starred
@@ -112,19 +114,20 @@ def test_every_value_of_a_study_is_read(data: Path) -> None:
     assert len(rows) == len(stored) == 4
     for row, kept in zip(rows, stored, strict=True):
         kept.pop("sequence")
-        assert {name: row[name] for name in kept} == kept
+        today = {todays_name(name, PARAMETER_CHANGES) or name: value for name, value in kept.items()}
+        assert {name: row[name] for name in today} == today
 
 
 def test_a_preset_is_read_and_can_be_flown(data: Path) -> None:
     (preset,) = PresetStore(data).presets()
     assert (preset.name, preset.who) == ("soft hands", "operator")
-    impedance = preset.config().control.impedance
+    impedance = preset.config().published.impedance
     assert (impedance.mass, impedance.damping, impedance.stiffness) == (0.2, 3.0, 5.0)
 
 
 def test_a_configuration_file_is_read(data: Path) -> None:
-    config = revised(named_configuration("published"), read_config_file(data / "soft.toml"))
-    assert config.control.impedance.mass == 0.05
-    assert config.control.touch.absorb_time == 0.4
+    config = revised(named_configuration("published"), read_parameters_file(data / "soft.toml").values)
+    assert config.published.impedance.mass == 0.05
+    assert config.published.touch.absorb_time == 0.4
     assert config.target.initial_spin == 0.8
     assert config.sensing.noise.position == 5e-4

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from sim.schema_history import config_version
+from sim.schema_history import PARAMETER_CHANGES, config_version, todays_name
 from sim.stored import leaves
 
 ROOT = Path(__file__).parents[2]
@@ -105,6 +105,9 @@ print(json.dumps(found))
 """
 
 
+PUBLISHED = "sim/method/published/parameters.py"
+
+
 class Tree:
     """A copy of the code, to be changed."""
 
@@ -158,11 +161,11 @@ def added(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     )
     tree.change("sim/study/run.py", r"^MEASURES = \(", r'\g<0>\n    Column("wobble", float, "rad", "Of the target"),')
     tree.change(
-        "sim/config.py",
+        PUBLISHED,
         r"^class TouchConfig.*\n.*\n",
         r'\g<0>\n    patience: Number = parameter(0.5, "Longest wait", unit="s", source="chosen", gt=0, le=9)',
     )
-    tree.change("sim/capture/snapshot.py", r"^    caged: bool .*$", r"\g<0>\n    wobble: float | None = None")
+    tree.change("sim/snapshot.py", r"^    caged: bool .*$", r"\g<0>\n    wobble: float | None = None")
     return tree.read(data)
 
 
@@ -175,16 +178,16 @@ def renamed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree.note("TICK_CHANGES", 'renamed("hand_wrench", "true_hand_wrench")', 'renamed("closed", "truly_closed")')
     tree.change("sim/study/run.py", r'Column\("peak_tip_force",', 'Column("largest_tip_force",')
     tree.note("MEASURE_CHANGES", 'renamed("peak_tip_force", "largest_tip_force")')
-    tree.change("sim/config.py", r"^    impedance: ImpedanceConfig", "    compliance: ImpedanceConfig")
-    tree.change("sim/config.py", r"^    absorb_time: ", "    settling_time: ")
+    tree.change(PUBLISHED, r"^    impedance: ImpedanceConfig", "    compliance: ImpedanceConfig")
+    tree.change(PUBLISHED, r"^    absorb_time: ", "    settling_time: ")
     tree.change("sim/configurations.py", r"impedance=ImpedanceConfig", "compliance=ImpedanceConfig")
-    tree.change("sim/study/published.py", r'"control\.impedance\.', '"control.compliance.')
+    tree.change("sim/study/published.py", r'"published\.impedance\.', '"published.compliance.')
     tree.note(
         "PARAMETER_CHANGES",
-        'renamed("control.impedance", "control.compliance")',
-        'renamed("control.touch.absorb_time", "control.touch.settling_time")',
+        'renamed("published.impedance", "published.compliance")',
+        'renamed("published.touch.absorb_time", "published.touch.settling_time")',
     )
-    tree.change("sim/capture/snapshot.py", r"^    closed_at: ", "    first_closed_at: ")
+    tree.change("sim/snapshot.py", r"^    closed_at: ", "    first_closed_at: ")
     tree.note("RECORD_CHANGES", 'renamed("outcome.closed_at", "outcome.first_closed_at")')
     return tree.read(data)
 
@@ -197,16 +200,16 @@ def removed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree.note("TICK_CHANGES", 'removed("mount_rate", "hands do not yield")')
     tree.change("sim/study/run.py", r'^    Column\("base_turn".*\n', "")
     tree.note("MEASURE_CHANGES", 'removed("base_turn", "the base is held")')
-    tree.change("sim/config.py", r"^    damping: Number = parameter\(\n        1\.5.*\n    \)\n", "")
-    tree.change("sim/config.py", r"^    absorb_time: Number = parameter\((\n        .*)+\n    \)\n", "")
+    tree.change(PUBLISHED, r"^    damping: Number = parameter\(\n        1\.5.*\n    \)\n", "")
+    tree.change(PUBLISHED, r"^    absorb_time: Number = parameter\((\n        .*)+\n    \)\n", "")
     tree.change("sim/configurations.py", r", damping=[0-9.]+", "")
     tree.change("sim/study/published.py", r"^ +DAMPING: .*\n", "")
     tree.note(
         "PARAMETER_CHANGES",
-        'removed("control.impedance.damping", "hands have no damping")',
-        'removed("control.touch.absorb_time", "plans follow at once")',
+        'removed("published.impedance.damping", "hands have no damping")',
+        'removed("published.touch.absorb_time", "plans follow at once")',
     )
-    tree.change("sim/capture/snapshot.py", r"^    momentum_error: float = Field\(\n.*\n    \)\n", "")
+    tree.change("sim/snapshot.py", r"^    momentum_error: float = Field\(\n.*\n    \)\n", "")
     tree.note("RECORD_CHANGES", 'removed("outcome.momentum_error", "it is always zero")')
     return tree.read(data)
 
@@ -223,6 +226,11 @@ def _stored_columns(data: Path, run_id: str) -> dict[str, np.ndarray[Any, np.dty
     fields = [(line[1], _KINDS[line[0]]) for line in lines if len(line) == 2]
     ticks = np.frombuffer(b"".join(data[4:] for _, data in found), np.dtype(fields, align=True))
     return {name: ticks[name] for name, _ in fields}
+
+
+def _under_todays_names(stored: dict[str, Any]) -> dict[str, Any]:
+    """By path of today, where it is a parameter's."""
+    return {todays_name(name, PARAMETER_CHANGES) or name: value for name, value in stored.items()}
 
 
 def _digest(values: np.ndarray[Any, np.dtype[Any]]) -> str:
@@ -276,18 +284,19 @@ class TestAdded:
 
     def test_a_measure_that_a_table_lacks_is_absent_not_its_own_name(self, data: Path, added: Any) -> None:
         assert "wobble" in added["columns"]
-        rows = [{**row, "wobble": None} for row in _stored_rows(data)]
+        rows = [{**_under_todays_names(row), "wobble": None} for row in _stored_rows(data)]
         assert [{name: read[name] for name in rows[0]} for read in added["rows"]] == rows
 
     def test_a_parameter_and_a_field_of_the_outcome_have_their_defaults(self, data: Path, added: Any) -> None:
         run, stored = added["runs"][TIMED_OUT], _stored_record(data, TIMED_OUT)
-        assert run["config"]["control"]["touch"].pop("patience") == 0.5
+        assert run["config"]["published"]["touch"].pop("patience") == 0.5
         assert run["config"].pop("version") == config_version()
         read = leaves(run["config"])
-        assert {path: read[path] for path in leaves(stored["config"])} == leaves(stored["config"])
+        chosen = _under_todays_names(leaves(stored["config"]))
+        assert {path: read[path] for path in chosen} == chosen
         assert {name: run["outcome"][name] for name in stored["outcome"]} == stored["outcome"]
         assert run["outcome"]["wobble"] is None
-        assert added["preset"]["config"]["control"]["impedance"]["damping"] == 3.0
+        assert added["preset"]["config"]["published"]["impedance"]["damping"] == 3.0
 
 
 class TestRenamed:
@@ -314,24 +323,24 @@ class TestRenamed:
     def test_measures_and_varied_parameters_too(self, data: Path, renamed: Any) -> None:
         names = {
             "peak_tip_force": "largest_tip_force",
-            "control.impedance.damping": "control.compliance.damping",
+            "control.impedance.damping": "published.compliance.damping",
         }
         expected = [{names.get(name, name): value for name, value in row.items()} for row in _stored_rows(data)]
         assert [{name: read[name] for name in expected[0]} for read in renamed["rows"]] == expected
-        assert renamed["study"]["varied"] == ["target.initial_spin", "control.compliance.damping"]
+        assert renamed["study"]["varied"] == ["target.initial_spin", "published.compliance.damping"]
         assert len(renamed["after"]) == 1
 
     def test_parameters_are_where_they_are_today(self, data: Path, renamed: Any) -> None:
         stored = _stored_record(data, STOPPED)["config"]["control"]
         run = renamed["runs"][STOPPED]
-        assert run["config"]["control"]["compliance"] == stored["impedance"]
-        assert run["config"]["control"]["touch"]["settling_time"] == stored["touch"]["absorb_time"]
+        assert run["config"]["published"]["compliance"] == stored["impedance"]
+        assert run["config"]["published"]["touch"]["settling_time"] == stored["touch"]["absorb_time"]
         assert run["config"]["version"] == config_version() + 2
-        assert [121, None, {"control.compliance.damping": 1.5}] in run["interventions"]
-        assert renamed["preset"]["changes"] == {"control": {"compliance": {"damping": 3.0, "stiffness": 5.0}}}
-        assert renamed["preset"]["config"]["control"]["compliance"] == {"mass": 0.2, "damping": 3.0, "stiffness": 5.0}
-        assert renamed["file"]["config"]["control"]["touch"]["settling_time"] == 0.4
-        assert renamed["file"]["config"]["control"]["compliance"]["mass"] == 0.05
+        assert [121, None, {"published.compliance.damping": 1.5}] in run["interventions"]
+        assert renamed["preset"]["changes"] == {"published": {"compliance": {"damping": 3.0, "stiffness": 5.0}}}
+        assert renamed["preset"]["config"]["published"]["compliance"] == {"mass": 0.2, "damping": 3.0, "stiffness": 5.0}
+        assert renamed["file"]["config"]["published"]["touch"]["settling_time"] == 0.4
+        assert renamed["file"]["config"]["published"]["compliance"]["mass"] == 0.05
 
     def test_the_outcome_is_whole(self, data: Path, renamed: Any) -> None:
         stored = _stored_record(data, TIMED_OUT)["outcome"]
@@ -350,12 +359,12 @@ class TestRemoved:
             assert set(gone) <= removed["runs"][run_id]["further"].keys()
 
     def test_a_table_keeps_its_measures_and_what_it_varied(self, data: Path, removed: Any) -> None:
-        rows = _stored_rows(data)
+        rows = [_under_todays_names(row) for row in _stored_rows(data)]
         assert [{name: read[name] for name in rows[0]} for read in removed["rows"]] == rows
         assert "base_turn" in removed["columns"]
         assert removed["study"] == {
             "count": 4,
-            "varied": ["target.initial_spin", "control.impedance.damping"],
+            "varied": ["target.initial_spin", "published.impedance.damping"],
             "notices": [],
         }
 
@@ -364,12 +373,12 @@ class TestRemoved:
         absorbing = "control.touch.absorb_time is ignored: plans follow at once"
         run = removed["runs"][STOPPED]
         assert {damping, absorbing} <= set(run["notices"])
-        assert run["config"]["control"]["impedance"] == {"mass": 0.2, "stiffness": 0.1}
+        assert run["config"]["published"]["impedance"] == {"mass": 0.2, "stiffness": 0.1}
         assert run["interventions"][1] == [121, None, {}]
         assert removed["preset"]["notices"] == [damping]
-        assert removed["preset"]["config"]["control"]["impedance"] == {"mass": 0.2, "stiffness": 5.0}
+        assert removed["preset"]["config"]["published"]["impedance"] == {"mass": 0.2, "stiffness": 5.0}
         assert [notice.split(": ", 1)[1] for notice in removed["file"]["notices"]] == [damping, absorbing]
-        assert removed["file"]["config"]["control"]["impedance"]["mass"] == 0.05
+        assert removed["file"]["config"]["published"]["impedance"]["mass"] == 0.05
 
     def test_the_rest_of_the_outcome_is_whole(self, data: Path, removed: Any) -> None:
         run, stored = removed["runs"][TIMED_OUT], _stored_record(data, TIMED_OUT)["outcome"]

@@ -9,7 +9,7 @@ from scipy.stats import kstest, norm, qmc
 
 from sim.study.axes import LONGEST_AXIS, Axis, Distribution, Samples, checked, is_number, is_whole
 
-PATH = "control.impedance.damping"
+PATH = "published.impedance.damping"
 
 
 def axis(**given):
@@ -155,7 +155,7 @@ class TestValues:
     @pytest.mark.parametrize(
         ("path", "value", "words"),
         [
-            (PATH, -1.0, ["grid.control.impedance.damping", "-1.0", "greater than or equal to 0", "[N s/m]"]),
+            (PATH, -1.0, ["grid.published.impedance.damping", "-1.0", "greater than or equal to 0", "[N s/m]"]),
             (PATH, True, ["valid number"]),
             (PATH, float("inf"), ["finite"]),
             ("simulation.solver_iterations", 30.5, ["30.5", "integer"]),

@@ -10,7 +10,7 @@ from sim.config import value_at
 from sim.errors import ConfigError
 from sim.study.design import Study, configured, flattened, read_study, study_of
 
-MASS, DAMPING, SPIN = "control.impedance.mass", "control.impedance.damping", "target.initial_spin"
+MASS, DAMPING, SPIN = "published.impedance.mass", "published.impedance.damping", "target.initial_spin"
 GRID = {MASS: [0.05, 0.1], DAMPING: [0.0, 1.5, 3.0]}
 SAMPLES = {"count": 4, "method": "random", "over": {SPIN: {"from": 0.5, "to": 2.0}}}
 
@@ -85,12 +85,12 @@ class TestConfiguration:
 
 class TestDefinition:
     def test_nested_and_flat_paths_are_the_same(self):
-        nested = {"grid": {"control": {"impedance": {"mass": [0.05, 0.1], "damping": [0.0, 1.5, 3.0]}}}}
+        nested = {"grid": {"published": {"impedance": {"mass": [0.05, 0.1], "damping": [0.0, 1.5, 3.0]}}}}
         assert study_of(nested) == study_of({"grid": GRID})
 
     def test_flattened_keeps_what_describes_an_axis(self):
         axis = {"from": 0.0, "to": 1.0, "step": 0.5}
-        assert flattened({"control": {"impedance": {"mass": axis}}, DAMPING: [1.0]}) == {MASS: axis, DAMPING: [1.0]}
+        assert flattened({"published": {"impedance": {"mass": axis}}, DAMPING: [1.0]}) == {MASS: axis, DAMPING: [1.0]}
 
     def test_comes_back_from_its_own_definition(self):
         study = study_of(
@@ -111,7 +111,7 @@ class TestDefinition:
         toml = tmp_path / "soft.toml"
         toml.write_text(
             "[changes]\ncontact.friction = 0.2\n[grid]\n"
-            "control.impedance.damping = { from = 0.0, to = 3.0, step = 1.5 }\n"
+            "published.impedance.damping = { from = 0.0, to = 3.0, step = 1.5 }\n"
             '[samples]\ncount = 4\nmethod = "sobol"\n[samples.over]\ntarget.initial_spin = { from = 0.5, to = 2.0 }\n'
         )
         study = read_study(toml)
@@ -138,21 +138,21 @@ class TestDefinition:
     [
         ({}, ["varies nothing"]),
         (
-            {"grid": {"control.impedance.dampin": [1.0]}},
-            ["grid.control.impedance.dampin", "mean control.impedance.damping?"],
+            {"grid": {"published.impedance.dampin": [1.0]}},
+            ["grid.published.impedance.dampin", "mean published.impedance.damping?"],
         ),
         (
             {"samples": {**SAMPLES, "over": {"target.mas": {"from": 1.0, "to": 2.0}}}},
             ["samples.over.target.mas", "target.mass?"],
         ),
         ({"grid": GRID, "changes": {"contact.frictio": 1.0}}, ["changes.contact.frictio", "contact.friction?"]),
-        ({"grid": {MASS: [0.1, 0.0]}}, ["grid.control.impedance.mass = 0.0", "greater than 0", "[kg]"]),
-        ({"grid": {MASS: [0.1, 0.2, 0.1]}}, ["grid.control.impedance.mass", "0.1", "twice"]),
+        ({"grid": {MASS: [0.1, 0.0]}}, ["grid.published.impedance.mass = 0.0", "greater than 0", "[kg]"]),
+        ({"grid": {MASS: [0.1, 0.2, 0.1]}}, ["grid.published.impedance.mass", "0.1", "twice"]),
         (
             {"grid": {MASS: {"from": 2.0, "to": 1.0, "step": 0.1}}},
-            ["grid.control.impedance.mass", "'from': 2.0", "empty"],
+            ["grid.published.impedance.mass", "'from': 2.0", "empty"],
         ),
-        ({"grid": {MASS: []}}, ["grid.control.impedance.mass", "empty"]),
+        ({"grid": {MASS: []}}, ["grid.published.impedance.mass", "empty"]),
         ({"grid": GRID, "changes": {MASS: 1.0}}, [MASS, "varied", "1.0"]),
         ({"grid": GRID, "changes": {"simulation.seed": 1}}, ["simulation.seed", "cannot be set"]),
         ({"grid": {SPIN: [1.0]}, "samples": SAMPLES}, [SPIN, "cannot be sampled as well"]),
@@ -162,14 +162,14 @@ class TestDefinition:
         ),
         (
             {"samples": {"count": 99, "over": {MASS: {"mean": 0.1, "deviation": 0.1}}}},
-            ["samples.over.control.impedance.mass", "greater than 0", "[kg]", "cut it"],
+            ["samples.over.published.impedance.mass", "greater than 0", "[kg]", "cut it"],
         ),
         ({"samples": {**SAMPLES, "count": 0}}, ["samples.count = 0", "greater than or equal to 1"]),
         ({"grid": GRID, "seed": -1}, ["seed = -1", "greater than or equal to 0"]),
         ({"gird": GRID}, ["gird", "did you mean grid?"]),
         (
             {"grid": {MASS: {"from": 1.0, "to": 2.0, "stepp": 1.0}}},
-            ["grid.control.impedance.mass.stepp", "did you mean step?"],
+            ["grid.published.impedance.mass.stepp", "did you mean step?"],
         ),
         ({"grid": GRID, "configuration": "publishd"}, ["publishd", "published_figures"]),
         ({"grid": GRID, "changes": {"target.initial_y": 0.1}}, ["target.initial_y", "overlaps"]),

@@ -12,7 +12,7 @@ from sim.study.design import study_of
 from sim.study.executors import WorkersUnavailable, fly_cells
 from sim.study.run import CellTask, failed_row
 
-STUDY = study_of({"grid": {"control.impedance.mass": {"from": 0.1, "to": 1.0, "count": 10}}})
+STUDY = study_of({"grid": {"published.impedance.mass": {"from": 0.1, "to": 1.0, "count": 10}}})
 TASKS = [CellTask(STUDY.base, STUDY.direct, cell) for cell in STUDY.cells()]
 
 

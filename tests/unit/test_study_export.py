@@ -13,7 +13,7 @@ from sim.study.export import TableFormat, export
 from sim.study.run import MEASURES, failed_row
 from sim.study.table import StudyTable
 
-MASS = "control.impedance.mass"
+MASS = "published.impedance.mass"
 STUDY = study_of({"grid": {MASS: [0.1 + 0.2, 2e-4, 2.0]}})
 VALUES = {float: 1.0 / 3.0, int: 7, bool: False, str: "base_collision"}
 

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from sim.config import ContactConfig, ControlConfig, ImpedanceConfig, MissionConfig
+from sim.config import ContactConfig, MissionConfig
+from sim.method.published.parameters import ImpedanceConfig, PublishedConfig
 from sim.study.first_touch import (
     TouchState,
     collision,
@@ -31,7 +32,7 @@ def touching(lever: float = LEVER, spin: float = 1.0) -> TouchState:
 
 def impedance(mass: float, damping: float, stiffness: float, friction: float = 0.3) -> MissionConfig:
     law = ImpedanceConfig(mass=mass, damping=damping, stiffness=stiffness)
-    return MissionConfig(control=ControlConfig(impedance=law), contact=ContactConfig(friction=friction))
+    return MissionConfig(published=PublishedConfig(impedance=law), contact=ContactConfig(friction=friction))
 
 
 def test_effective_mass_is_the_mass_through_the_centre_and_less_beside_it():

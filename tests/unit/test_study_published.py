@@ -6,10 +6,10 @@ from collections import Counter
 
 import pytest
 
-from sim.capture.snapshot import OutcomeClass
 from sim.config import value_at
 from sim.configurations import named_configuration
 from sim.errors import ConfigError
+from sim.snapshot import OutcomeClass
 from sim.study.design import study_of
 from sim.study.published import (
     DAMPING,

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 from sim.capture.run import RunResult
-from sim.capture.snapshot import Outcome, OutcomeClass, Touch
 from sim.capture.tick import TICK
-from sim.control.phases import Activity
+from sim.control.phases import Phase
 from sim.errors import PlantDiverged
+from sim.method.published.memory import Activity
+from sim.snapshot import Outcome, OutcomeClass, Touch
 from sim.study import run
 from sim.study.design import study_of
 from sim.study.run import MEASURES, CellTask, columns, failed_row, fly_cell
 
-STUDY = study_of({"grid": {"control.impedance.mass": [0.05, 0.1], "contact.corner": ["face", "radial"]}})
+STUDY = study_of({"grid": {"published.impedance.mass": [0.05, 0.1], "contact.corner": ["face", "radial"]}})
 
 OUTCOME = Outcome(
     outcome=OutcomeClass.CAGED_FORCE_REDUCED,
@@ -46,7 +47,7 @@ def ticks_of(outcome: Outcome) -> np.ndarray:
     ticks["target_twist"][:, 2] = 1.0
     ticks["target_twist"][41:] = [0.03, -0.04, 0.1]
     ticks["base_pose"][:, 2] = np.linspace(0.0, -0.5, 83)
-    ticks["activity"][44:] = Activity.CLOSING
+    ticks["phase"][44:], ticks["activity"][44:] = Phase.CAGING, Activity.CLOSING
     for touch in outcome.contacts:
         ticks["hand_wrench"][round(touch.start * 10) + 1, int(touch.arm == "right"), 0] = touch.peak
     return ticks
@@ -81,7 +82,7 @@ def test_row_has_the_columns_in_their_order():
 
 def test_row_tells_cell_outcome_and_hardest_touch(flown):
     row = fly_cell(task())
-    assert (row["cell"], row["control.impedance.mass"], row["contact.corner"]) == (1, 0.05, "radial")
+    assert (row["cell"], row["published.impedance.mass"], row["contact.corner"]) == (1, 0.05, "radial")
     assert (row["outcome"], row["at_locked_arms"]) == ("caged_force_reduced", "caged_unplanned_contact")
     assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_start"]) == (2, "left", 5.7)
     assert row["hardest_touch_peak"] == 1.9
@@ -145,7 +146,7 @@ def test_values_that_do_not_fit_together_fail_that_cell_only():
 
 def test_columns_have_unit_and_description():
     by_name = {column.name: column for column in columns(STUDY)}
-    assert by_name["control.impedance.mass"].unit == "kg"
+    assert by_name["published.impedance.mass"].unit == "kg"
     assert by_name["contact.corner"].kind is str
     assert all(column.unit and column.description for column in by_name.values())
 

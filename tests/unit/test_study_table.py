@@ -11,7 +11,7 @@ from sim.study.design import study_of
 from sim.study.run import MEASURES, failed_row
 from sim.study.table import StudyTable, TableUnusable, fingerprint
 
-GRID = {"control.impedance.mass": [0.05, 0.1, 0.2], "contact.corner": ["face", "radial"]}
+GRID = {"published.impedance.mass": [0.05, 0.1, 0.2], "contact.corner": ["face", "radial"]}
 STUDY = study_of({"grid": GRID})
 VALUES = {float: 0.1 + 0.2, int: 7, bool: True, str: "caged_force_reduced"}
 
@@ -67,7 +67,7 @@ def test_what_was_kept_survives_without_closing(path, tmp_path):
 
 @pytest.mark.parametrize(
     "other",
-    [{"grid": GRID, "seed": 1}, {"grid": GRID, "direct": True}, {"grid": {"control.impedance.mass": [0.05]}},
+    [{"grid": GRID, "seed": 1}, {"grid": GRID, "direct": True}, {"grid": {"published.impedance.mass": [0.05]}},
      {"grid": dict(reversed(GRID.items()))}, {"grid": GRID, "changes": {"contact.friction": 0.2}}],
 )  # fmt: skip
 def test_another_study_is_refused(path, other):
@@ -141,6 +141,6 @@ def test_it_is_a_file_that_sqlite_opens(path):
     with StudyTable(path, STUDY) as table:
         table.add(row(1))
     connection = sqlite3.connect(path)
-    found = connection.execute('SELECT "control.impedance.mass", outcome FROM cells').fetchall()
+    found = connection.execute('SELECT "published.impedance.mass", outcome FROM cells').fetchall()
     connection.close()
     assert found == [(0.05, "caged_force_reduced")]

@@ -32,9 +32,9 @@ def test_a_whole_number_is_exact_on_the_command_line():
 @pytest.mark.parametrize(
     ("setting", "path", "value"),
     [
-        ("control.impedance.damping=3.0", "control.impedance.damping", 3.0),
-        ("control.impedance.damping=.5", "control.impedance.damping", 0.5),
-        ("control.impedance.damping = 3.", "control.impedance.damping", 3.0),
+        ("published.impedance.damping=3.0", "published.impedance.damping", 3.0),
+        ("published.impedance.damping=.5", "published.impedance.damping", 0.5),
+        ("published.impedance.damping = 3.", "published.impedance.damping", 3.0),
         ("target.initial_spin=\u22120.5", "target.initial_spin", -0.5),
         ("simulation.seed=1e3", "simulation.seed", 1000),
         ("contact.corner=radial", "contact.corner", "radial"),
@@ -50,11 +50,11 @@ def test_a_setting_is_what_its_parameter_takes(setting, path, value):
 @pytest.mark.parametrize(
     ("setting", "words"),
     [
-        ("control.impedance.damping", "PATH=VALUE"),
-        ("control.impedence.damping=3", "did you mean control.impedance.damping?"),
-        ("control.impedance.damping=1,000", "write 1000 or 1.000"),
-        ("control.impedance.damping=0,5", r"write 0\.5: the decimal sign is a point \[N s/m\]"),
-        ("control.impedance.damping=", "a number is missing"),
+        ("published.impedance.damping", "PATH=VALUE"),
+        ("control.impedence.damping=3", "did you mean published.impedance.damping?"),
+        ("published.impedance.damping=1,000", "write 1000 or 1.000"),
+        ("published.impedance.damping=0,5", r"write 0\.5: the decimal sign is a point \[N s/m\]"),
+        ("published.impedance.damping=", "a number is missing"),
         ("target.mass=true", '"true" is not a number'),
         ("target.mass=[1]", "not a number"),
         ("target.mass=NaN", "not a finite number"),

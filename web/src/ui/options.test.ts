@@ -28,13 +28,13 @@ describe("a drop-down", () => {
 
 describe("suggestions", () => {
   const paths = [
-    { value: "control.impedance.mass", label: "virtual mass [kg]" },
+    { value: "published.impedance.mass", label: "virtual mass [kg]" },
     { value: "target.mass", label: "mass of the target [kg]" },
     { value: "target.size", label: "length of a side [m]" },
   ];
 
   it("are those that the text is part of, by name or by what they are", () => {
-    expect(suggestionsFor("MASS", paths).map(({ value }) => value)).toEqual(["control.impedance.mass", "target.mass"]);
+    expect(suggestionsFor("MASS", paths).map(({ value }) => value)).toEqual(["published.impedance.mass", "target.mass"]);
     expect(suggestionsFor(" side", paths).map(({ value }) => value)).toEqual(["target.size"]);
     expect(suggestionsFor("", paths)).toHaveLength(3);
     expect(suggestionsFor("nothing of it", paths)).toEqual([]);

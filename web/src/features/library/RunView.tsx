@@ -70,7 +70,7 @@ function RunFacts({ run }: { readonly run: Run }) {
     ["Run", run.id],
     ["Configuration", configurationWords(run)],
     ["Changed", run.changes.length === 0 ? "none" : run.changes.map(changeWords).join("\n")],
-    ["Impedance m, d, k", Object.values(run.config.control.impedance).map(plain).join(", ")],
+    ["Impedance m, d, k", Object.values(run.config.published.impedance).map(plain).join(", ")],
     ["Seed", String(run.seed)],
     ["Recorded", `${run.ticks} ticks, ${fixed(run.size_bytes / 1e6, 1)} MB`],
     ["On disk", run.integrity ?? "being written"],

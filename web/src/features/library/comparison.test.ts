@@ -6,7 +6,7 @@ import { comparedAt, comparedSlice, comparedWith } from "../plots/compared";
 import { choices, figures, named } from "./comparison";
 
 const run = (damping: number, seed: number): Run =>
-  ({ config: { control: { impedance: { mass: 0.1, damping } }, simulation: { seed } }, seed, duration: 12.5, outcome: null }) as unknown as Run;
+  ({ config: { published: { impedance: { mass: 0.1, damping } }, simulation: { seed } }, seed, duration: 12.5, outcome: null }) as unknown as Run;
 
 /** Idle until `begin`, then detumbling; the spin is the time. */
 function recorded(begin: number, period: number, end: number): Series {
@@ -23,15 +23,15 @@ describe("two runs beside one another", () => {
   it("differ in what was chosen differently, and in nothing else", () => {
     expect(choices(run(1.5, 0), run(1.5, 0))).toEqual([]);
     expect(choices(run(1.5, 0), run(3, 7))).toEqual([
-      { name: "control.impedance.damping", one: "1.5", other: "3" },
+      { name: "published.impedance.damping", one: "1.5", other: "3" },
       { name: "simulation.seed", one: "0", other: "7" },
     ]);
   });
 
   it("are named as on the form, each with its unit", () => {
-    const parameters = [{ path: "control.impedance.damping", title: "Virtual damping of the hand", unit: "N s/m" }];
+    const parameters = [{ path: "published.impedance.damping", title: "Virtual damping of the hand", unit: "N s/m" }];
     expect(named(choices(run(1.5, 0), run(3, 7)), parameters)).toEqual([
-      { name: "Virtual damping of the hand, N·s/m", path: "control.impedance.damping", one: "1.5", other: "3" },
+      { name: "Virtual damping of the hand, N·s/m", path: "published.impedance.damping", one: "1.5", other: "3" },
       { name: "simulation.seed", one: "0", other: "7" },
     ]);
   });

@@ -1,13 +1,13 @@
 import { describe, expect, it } from "vitest";
 import { changeWords, changesTitle, configurationWords, damageWords, statusWords } from "./labels";
 
-const damping = { path: "control.impedance.damping", title: "Virtual damping", unit: "N s/m", configured: 1.5, value: 3 };
+const damping = { path: "published.impedance.damping", title: "Virtual damping", unit: "N s/m", configured: 1.5, value: 3 };
 
 describe("a run in words", () => {
   it("tells what was changed, with its unit", () => {
     expect(changeWords(damping)).toBe("damping 1.5 → 3 N·s/m");
     expect(changeWords({ path: "contact.corner", title: "Corner", unit: "1", configured: "face", value: "radial" })).toBe("corner face → radial");
-    expect(changesTitle([damping])).toContain("control.impedance.damping");
+    expect(changesTitle([damping])).toContain("published.impedance.damping");
   });
 
   it("names the configuration that it began as", () => {

@@ -31,7 +31,8 @@ export function SpinGauge() {
   const coarse = angles === "deg";
   const known = spin !== null && threshold !== null;
   const below = known && Math.abs(spin) < threshold;
-  const limit = known ? `${below ? "below" : "above"} threshold ${fixed(threshold * factor, coarse ? 1 : 2)} ${unit}` : "no data";
+  const without = spin === null ? "no data" : "caged at any spin";
+  const limit = known ? `${below ? "below" : "above"} threshold ${fixed(threshold * factor, coarse ? 1 : 2)} ${unit}` : without;
   return (
     <Cell label="Target spin" width={196}>
       <Reading value={fixed((spin ?? Number.NaN) * factor, coarse ? 1 : 3)} unit={unit} />

@@ -16,7 +16,7 @@ import { Presets } from "./Presets";
 import { StagedChanges } from "./StagedChanges";
 
 /** What the console is for: the impedance stands first, and open. */
-const FIRST_GROUP = "control.impedance";
+const FIRST_GROUP = "published.impedance";
 
 interface Editing {
   readonly draft: Draft;

@@ -8,21 +8,21 @@ function parameter(path: string, more: Partial<Parameter> = {}): Parameter {
   return { path, group, name, title: name, group_title: group, description: "", unit: "1", default: 0, source: "", live: true, type: "number", ...more };
 }
 
-const damping = parameter("control.impedance.damping", { unit: "N s/m", minimum: 0, maximum: 1e4 });
-const mass = parameter("control.impedance.mass", { unit: "kg", exclusive_minimum: 0, maximum: 100 });
-const tilt = parameter("control.touch.hand_tilt", { unit: "rad", minimum: 0, maximum: 0.7 });
-const config = { control: { impedance: { damping: 1.5, mass: 0.1 }, touch: { hand_tilt: 0.08726646259971647 } } };
+const damping = parameter("published.impedance.damping", { unit: "N s/m", minimum: 0, maximum: 1e4 });
+const mass = parameter("published.impedance.mass", { unit: "kg", exclusive_minimum: 0, maximum: 100 });
+const tilt = parameter("published.touch.hand_tilt", { unit: "rad", minimum: 0, maximum: 0.7 });
+const config = { published: { impedance: { damping: 1.5, mass: 0.1 }, touch: { hand_tilt: 0.08726646259971647 } } };
 
 describe("staged edits", () => {
   it("hold only what differs, and nest what is sent", () => {
     const draft = { [damping.path]: { text: "3", angles: "rad" }, [mass.path]: { text: "0.10", angles: "rad" } } as const;
     const changes = changesOf(draft, [damping, mass], config);
     expect(changes.map((change) => [change.parameter.path, change.from, change.to])).toEqual([[damping.path, 1.5, 3]]);
-    expect(patchOf(changes)).toEqual({ control: { impedance: { damping: 3 } } });
+    expect(patchOf(changes)).toEqual({ published: { impedance: { damping: 3 } } });
   });
 
   it("make a preset of what is in force: what differs is staged, in the unit on the screen", () => {
-    const wanted = { control: { impedance: { damping: 3, mass: 0.1 }, touch: { hand_tilt: 0.17453292519943295 } } };
+    const wanted = { published: { impedance: { damping: 3, mass: 0.1 }, touch: { hand_tilt: 0.17453292519943295 } } };
     const draft = draftTowards(wanted, [damping, mass, tilt], config, "deg");
     expect(draft).toEqual({ [damping.path]: { text: "3", angles: "deg" }, [tilt.path]: { text: "10", angles: "deg" } });
     expect(changesOf(draft, [damping, mass, tilt], config).map(({ to }) => to)).toEqual([3, expect.closeTo(0.17453, 5)]);

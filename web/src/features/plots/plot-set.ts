@@ -89,8 +89,9 @@ const CONTACT: readonly PlotDefinition[] = [
     ],
     least: [-0.1, 0.6],
     levels: ({ snapshot, config }) => {
-      const threshold = snapshot?.spin_threshold ?? config?.control.caging.spin_threshold;
-      return threshold === undefined ? [] : [{ label: "threshold", value: threshold }];
+      const chosen = config?.method === "published" ? config.published.caging.spin_threshold : null;
+      const threshold = snapshot ? snapshot.spin_threshold : chosen;
+      return threshold === null ? [] : [{ label: "threshold", value: threshold }];
     },
   },
 ];

@@ -51,7 +51,7 @@ describe("a distribution", () => {
 
 describe("a draft", () => {
   const draft = (part: Partial<StudyDraft>) => readDraft({ ...EMPTY_DRAFT, ...part });
-  const damping = { path: "control.impedance.damping", values: "1, 2" };
+  const damping = { path: "published.impedance.damping", values: "1, 2" };
 
   it("has samples only where something is drawn", () => {
     expect(readDraft(EMPTY_DRAFT).request?.study).not.toHaveProperty("samples");
@@ -63,7 +63,7 @@ describe("a draft", () => {
   it("may have empty lines", () => {
     const { request, faults } = draft({ grid: [damping, { path: " ", values: "" }], draws: [{ path: "", distribution: "" }], count: "" });
     expect(faults.size).toBe(0);
-    expect(request?.study).toHaveProperty("grid", { "control.impedance.damping": [1, 2] });
+    expect(request?.study).toHaveProperty("grid", { "published.impedance.damping": [1, 2] });
     expect(request?.study).not.toHaveProperty("samples");
   });
 
@@ -74,8 +74,8 @@ describe("a draft", () => {
   });
 
   it("names both lines of one parameter, also where one is drawn", () => {
-    const twice = draft({ grid: [damping, { path: " control.impedance.damping ", values: "3" }], draws: [{ path: "control.impedance.damping", distribution: "0 .. 1" }] });
-    const words = "control.impedance.damping stands in line 1 of the grid already; write all of its values in one line";
+    const twice = draft({ grid: [damping, { path: " published.impedance.damping ", values: "3" }], draws: [{ path: "published.impedance.damping", distribution: "0 .. 1" }] });
+    const words = "published.impedance.damping stands in line 1 of the grid already; write all of its values in one line";
     expect([...twice.faults]).toEqual([["grid 1", words], ["draws 0", words]]);
   });
 

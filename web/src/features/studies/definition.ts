@@ -30,7 +30,7 @@ export const EMPTY_DRAFT: StudyDraft = {
   configuration: "published",
   direct: false,
   seed: "0",
-  grid: [{ path: "control.impedance.damping", values: "0 .. 6 by 1.5" }],
+  grid: [{ path: "published.impedance.damping", values: "0 .. 6 by 1.5" }],
   draws: [],
   count: "32",
   method: "latin_hypercube",

@@ -10,7 +10,7 @@ const study = (across: number, up: number): StudyDetail =>
   ({
     id: "20261130T010000000-abcdef",
     name: "two <dampings>",
-    axes: [axis("control.impedance.damping", across), axis("control.impedance.stiffness", up)],
+    axes: [axis("published.impedance.damping", across), axis("published.impedance.stiffness", up)],
     progress: { done: across * up, total: across * up, wall_time: 1 },
     columns: [{ name: "peak_tip_force", kind: "float", unit: "N", description: "" }],
     definition: { configuration: "testbed" },

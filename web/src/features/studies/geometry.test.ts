@@ -8,14 +8,14 @@ const evenly = (from: number, to: number, count: number): number[] => Array.from
 const decades = (count: number): number[] => evenly(-3, 2, count).map((power) => Number((10 ** power).toPrecision(12)));
 
 const SPREADS: Readonly<Record<string, Spread>> = {
-  "2 x 2": { x: axis("control.impedance.damping", [0, 1.5]), y: axis("control.impedance.stiffness", [0, 10]), facet: null },
-  "11 x 11, four masses": { x: axis("control.impedance.damping", evenly(0, 15, 11)), y: axis("control.impedance.stiffness", evenly(0, 100, 11), "N/m"), facet: axis("control.impedance.mass", [0.01, 0.05, 0.1, 0.5], "kg") },
-  "50 x 40": { x: axis("control.impedance.damping", evenly(0, 15, 50)), y: axis("control.impedance.stiffness", evenly(0, 100, 40), "N/m"), facet: null },
+  "2 x 2": { x: axis("published.impedance.damping", [0, 1.5]), y: axis("published.impedance.stiffness", [0, 10]), facet: null },
+  "11 x 11, four masses": { x: axis("published.impedance.damping", evenly(0, 15, 11)), y: axis("published.impedance.stiffness", evenly(0, 100, 11), "N/m"), facet: axis("published.impedance.mass", [0.01, 0.05, 0.1, 0.5], "kg") },
+  "50 x 40": { x: axis("published.impedance.damping", evenly(0, 15, 50)), y: axis("published.impedance.stiffness", evenly(0, 100, 40), "N/m"), facet: null },
   "120 x 80": { x: axis("target.initial_spin", evenly(-3, 3, 120), "rad/s"), y: axis("target.mass", evenly(2, 2.7, 80), "kg"), facet: null },
-  "logarithmic": { x: axis("control.impedance.damping", decades(30)), y: axis("control.impedance.mass", decades(25), "kg"), facet: null },
+  "logarithmic": { x: axis("published.impedance.damping", decades(30)), y: axis("published.impedance.mass", decades(25), "kg"), facet: null },
   "whole numbers": { x: axis("simulation.solver_iterations", evenly(10, 49, 40), "1"), y: axis("simulation.seed", evenly(1, 24, 24), "1"), facet: null },
-  "choices and long names": { x: axis("control.rates.singularity_handling", ["pseudo_inverse", "damped_least_squares"], "1"), y: axis("control.touch.idle_arm_distance_factor", evenly(0, 10, 21), "1"), facet: null },
-  "one axis": { x: axis("control.impedance.damping", evenly(0, 15, 200)), y: null, facet: null },
+  "choices and long names": { x: axis("control.rates.singularity_handling", ["pseudo_inverse", "damped_least_squares"], "1"), y: axis("published.touch.idle_arm_distance_factor", evenly(0, 10, 21), "1"), facet: null },
+  "one axis": { x: axis("published.impedance.damping", evenly(0, 15, 200)), y: null, facet: null },
   "close values": { x: axis("target.mass", evenly(2.3481, 2.3489, 9), "kg"), y: axis("target.mass2", evenly(1000.001, 1000.009, 9), "kg"), facet: null },
 };
 const FRAMES = [{ width: 820, height: 700 }, { width: 1300, height: 900 }, { width: 520, height: 420 }];

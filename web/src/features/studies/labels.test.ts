@@ -29,7 +29,7 @@ describe("durations", () => {
 });
 
 it("an axis is told as it was understood", () => {
-  const axis = { path: "control.impedance.damping", unit: "N s/m", description: "", drawn_from: null };
+  const axis = { path: "published.impedance.damping", unit: "N s/m", description: "", drawn_from: null };
   expect(valuesWords({ ...axis, count: 5, values: [0, 1.5, 3, 4.5, 6] })).toBe("5 values: 0, 1.5, … 6 N·s/m");
   expect(valuesWords({ ...axis, unit: "1", count: 1, values: ["face"] })).toBe("1 value: face");
   expect(valuesWords({ ...axis, count: null, values: null })).toBe("");

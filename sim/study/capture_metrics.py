@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.capture.events import Ticks
-from sim.capture.snapshot import Outcome
 from sim.compiled import FloatArray
-from sim.control.phases import Activity, Phase
+from sim.config import MissionConfig
+from sim.control.phases import Phase
+from sim.method.method import method_of
+from sim.snapshot import Outcome
 
 
 class Stage(StrEnum):
@@ -37,29 +39,30 @@ class _Signals(NamedTuple):
     """Whether the hands are closing or wait at the end of their closing plan."""
 
 
-class Watch:
-    """Sees the ticks of one capture, in their order."""
+class CaptureMetrics:
+    """What is measured of one capture, from its ticks in their order."""
 
-    def __init__(self) -> None:
-        self._seen: list[_Signals] = []
+    def __init__(self, config: MissionConfig) -> None:
+        self._signals: list[_Signals] = []
+        self._closing = method_of(config).closing
 
-    def see(self, ticks: Ticks) -> None:
+    def update(self, ticks: Ticks) -> None:
         """Keep what is needed of consecutive ticks."""
         force = np.hypot(ticks["hand_wrench"][:, :, 0], ticks["hand_wrench"][:, :, 1]).max(axis=1)
-        at_the_end = (ticks["phase"] == Phase.CAGING) & (ticks["activity"] == Activity.WAITING)
-        self._seen.append(
+        closing = (ticks["phase"] == Phase.CAGING) & np.isin(ticks["activity"], self._closing)
+        self._signals.append(
             _Signals(
                 time=ticks["time"].copy(),
                 target_twist=ticks["target_twist"].copy(),
                 base_angle=ticks["base_pose"][:, 2].copy(),
                 hand_force=force,
-                closing=at_the_end | (ticks["activity"] == Activity.CLOSING) | (ticks["phase"] == Phase.HOLDING),
+                closing=closing | (ticks["phase"] == Phase.HOLDING),
             )
         )
 
     def measures(self, outcome: Outcome) -> dict[str, float | str | None]:
         """The measures of the capture that ended so."""
-        signals = _Signals(*map(np.concatenate, zip(*self._seen, strict=True)))
+        signals = _Signals(*map(np.concatenate, zip(*self._signals, strict=True)))
         turned = float(signals.base_angle[np.argmax(np.abs(signals.base_angle))])
         return {**_peak(signals, outcome), **_first_touch(signals, outcome), "base_turn": turned}
 

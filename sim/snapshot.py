@@ -102,7 +102,7 @@ class ArmState(Published):
 class Plan(Published):
     """The motion being followed: straight lines through these hand poses at these times."""
 
-    kind: Literal["touch", "cage", "release"]
+    kind: str = Field(description="What it is for, by the method: touch, cage or release of the published one")
     times: list[float] = Field(description="Time of each pose [s]")
     left: list[Vector3] = Field(description="Left hand's poses; empty if it is idle")
     right: list[Vector3] = Field(description="Right hand's poses; empty if it is idle")
@@ -112,12 +112,17 @@ class Plan(Published):
 class Condition(Published):
     """One thing that has to be so before the next phase may begin."""
 
-    name: str = Field(description="spin, absorbed, enclosed, closing_done, caged or hands_open")
+    name: str = Field(description="By the method; spin, absorbed, enclosed, closing_done, caged or hands_open")
     met: bool
     value: float | None = Field(description="What it is now, in `unit`; null if it is no figure")
     bound: float | None = Field(description="What it is held against, in `unit`; null likewise")
     unit: str = Field(description="SI; empty if it is no figure")
     words: str = Field(description="The same in words")
+
+    @classmethod
+    def of(cls, name: str, words: str, *, met: bool) -> Condition:
+        """One that is no figure."""
+        return cls(name=name, met=met, value=None, bound=None, unit="", words=words)
 
 
 class Readiness(Published):
@@ -145,15 +150,16 @@ class Snapshot(Published):
 
     tick: int
     time: float = Field(description="Mission time [s]")
+    method: str = Field(description="How the target is captured")
     phase: str
-    activity: str
+    activity: str = Field(description="What the hands are doing, by the method")
     description: str = Field(description="What is happening, in words")
     base: BodyState
     target: BodyState
     left: ArmState
     right: ArmState
     spin: float = Field(description="Target's angular velocity [rad/s]")
-    spin_threshold: float = Field(description="Below it caging may begin [rad/s]")
+    spin_threshold: float | None = Field(description="Below it caging may begin [rad/s]; null: at any spin")
     drift: float = Field(description="Speed of the target's centre [m/s]")
     cage_closed: bool = Field(description="The tips enclose the target at its present angle")
     cage_margin: float | None = Field(description="Margin of the locked cage [m]; null unless the arms hold one")

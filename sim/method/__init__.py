@@ -1,0 +1,1 @@
+"""Methods: how a target is captured, each a value that the configuration names (`sim.method.registry`)."""

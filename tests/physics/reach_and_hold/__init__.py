@@ -1,0 +1,1 @@
+"""A second, deliberately small method: both hands reach back a little, hold still, and that is reported."""
