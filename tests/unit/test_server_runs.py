@@ -109,7 +109,7 @@ def test_half_a_chunk_and_half_an_event_are_left_out(store):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_no_damage_is_too_much(store, seed):
-    """Cut anywhere, with bytes overwritten anywhere: what the run gives was recorded, or it says why it gives nothing."""
+    """Cut and overwritten anywhere: what the run gives was recorded, or it says why it gives nothing."""
     random = np.random.default_rng(seed)
     record, ticks = _record(), _random_ticks(50)
     writer = store.write(record.model_copy(update={"status": "running"}))
