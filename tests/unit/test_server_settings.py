@@ -70,14 +70,14 @@ def test_changes_of_a_file_and_of_the_command_line_add_up(tmp_path):
 
 
 def test_changes_written_for_an_earlier_version_are_found_and_what_is_ignored_is_said(tmp_path, monkeypatch):
-    changes = (renamed("control.softness", "control.impedance"), removed("target.colour", "nobody sees it"))
+    changes = (renamed("control.softness", "published.impedance"), removed("target.colour", "nobody sees it"))
     monkeypatch.setattr("sim.stored.PARAMETER_CHANGES", changes)
     file = tmp_path / "lab.toml"
     file.write_text("[changes]\nversion = 1\ncontrol.softness.damping = 3.0\ntarget.colour = 1\n")
     chosen = choose({}, file)
-    assert chosen.settings.changes == {"control": {"impedance": {"damping": 3.0}}}
+    assert chosen.settings.changes == {"published": {"impedance": {"damping": 3.0}}}
     assert chosen.notices == (f"settings file {str(file)!r}: target.colour is ignored: nobody sees it",)
-    assert chosen.settings.initial_config().control.impedance.damping == 3.0
+    assert chosen.settings.initial_config().published.impedance.damping == 3.0
 
 
 @pytest.mark.parametrize(

@@ -172,8 +172,9 @@ def added(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture(scope="module")
 def renamed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree = Tree(tmp_path_factory.mktemp("renamed"))
-    for path in ("sim/capture/tick.py", "server/log/topics.py", "server/mission/history.py"):
-        tree.change(path, r'"hand_wrench"', '"true_hand_wrench"')
+    tree.change("sim/capture/tick.py", r'"hand_wrench"', '"true_hand_wrench"')
+    for path in (tree.folder / "server").rglob("*.py"):  # wherever it is read
+        path.write_text(path.read_text().replace('"hand_wrench"', '"true_hand_wrench"'))
     tree.change("sim/capture/tick.py", r'"closed"', '"truly_closed"')
     tree.note("TICK_CHANGES", 'renamed("hand_wrench", "true_hand_wrench")', 'renamed("closed", "truly_closed")')
     tree.change("sim/study/run.py", r'Column\("peak_tip_force",', 'Column("largest_tip_force",')
