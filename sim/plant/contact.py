@@ -57,6 +57,38 @@ def penetration(half_side: float, radius: float, corner: int, x: float, y: float
 
 
 @compiled
+def contact_force(
+    stiffness: float,
+    damping: float,
+    friction: float,
+    friction_speed: float,
+    depth: float,
+    nx: float,
+    ny: float,
+    vx: float,
+    vy: float,
+) -> tuple[float, float]:
+    """Force on the first of two bodies that overlap [N], world axes.
+
+    Args:
+        stiffness: per depth [N/m].
+        damping: per speed of approach [N s/m].
+        friction: coefficient.
+        friction_speed: at which friction reaches tanh(1) of its full value [m/s].
+        depth: of the overlap [m].
+        nx: the second body's outward normal.
+        ny: likewise.
+        vx: velocity of the first body's point relative to the second's [m/s].
+        vy: likewise.
+
+    """
+    normal_force = max(0.0, stiffness * depth - damping * (vx * nx + vy * ny))
+    sliding = -vx * ny + vy * nx
+    tangential = -friction * normal_force * math.tanh(sliding / friction_speed)
+    return normal_force * nx - tangential * ny, normal_force * ny + tangential * nx
+
+
+@compiled
 def tip_contact(
     law: Record,
     half_side: float,
@@ -93,8 +125,8 @@ def tip_contact(
     px, py = tip_x - radius * nx, tip_y - radius * ny
     hand_vx, hand_vy = point_velocity(hand_pose, hand_twist, px, py)
     target_vx, target_vy = point_velocity(target_pose, target_twist, px, py)
-    vx, vy = hand_vx - target_vx, hand_vy - target_vy
-    normal_force = max(0.0, law.stiffness * depth - law.damping * (vx * nx + vy * ny))
-    sliding = -vx * ny + vy * nx
-    friction = -law.friction * normal_force * math.tanh(sliding / law.friction_speed)
-    return TipContact(True, normal_force * nx - friction * ny, normal_force * ny + friction * nx, px, py)
+    fx, fy = contact_force(
+        law.stiffness, law.damping, law.friction, law.friction_speed,
+        depth, nx, ny, hand_vx - target_vx, hand_vy - target_vy,
+    )  # fmt: skip
+    return TipContact(True, fx, fy, px, py)
