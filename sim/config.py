@@ -66,6 +66,8 @@ class Engine(StrEnum):
 
     PYMUNK = "pymunk"
     """Ten rigid bodies held together by constraints (docs/decisions, findings)."""
+    REDUCED = "reduced"
+    """Reduced coordinates: fast, of second order through contact, and a state can be copied (decision 10)."""
 
 
 class OutcomeRule(StrEnum):
@@ -257,6 +259,22 @@ class ContactConfig(ConfigModel):
         source="chosen: the authors' sign(v) sticks; above 1 mm/s hands creep along faces and cells change class",
         gt=0,
         le=1,
+    )
+    solid_stiffness: Number = parameter(
+        4000.0,
+        "Stiffness of base, links, palms and fingers against the target, in the reduced plant",
+        unit="N/m",
+        source="chosen: five times a tip's; a step of 1 ms is well inside its bound",
+        gt=0,
+        le=1e6,
+    )
+    solid_damping: Number = parameter(
+        10.0,
+        "Damping of the same contacts",
+        unit="N s/m",
+        source="chosen: five times a tip's",
+        ge=0,
+        le=1e4,
     )
     corner: CornerContact = parameter(
         CornerContact.FACE, "Normal beside a corner of the target", unit="1", source="authors: the formula of the face"
@@ -471,10 +489,91 @@ class MissionConfig(MethodGroups):
             )
         return self
 
+    @model_validator(mode="after")
+    def _the_engine_reads_what_was_chosen(self) -> Self:
+        if self.simulation.engine is Engine.PYMUNK:
+            return self
+        for name in _READ_BY_PYMUNK_ONLY:
+            value, default = getattr(self.simulation, name), SimulationConfig.model_fields[name].default
+            if value != default:
+                raise ValueError(
+                    f"simulation.{name} = {value:g} is read by simulation.engine = 'pymunk' only, and the engine is "
+                    f"'{self.simulation.engine.value}'; leave it at {default:g}, or take the engine that reads it"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _the_stiffest_contact_is_resolved(self) -> Self:
+        if self.simulation.engine is not Engine.REDUCED:
+            return self
+        bounds = {kind: _longest_step(self, kind) for kind in _CONTACTS}
+        kind = min(bounds, key=lambda name: bounds[name])
+        step, bound = self.simulation.time_step, bounds[kind]
+        if step > bound:
+            stiffness, damping = (getattr(self.contact, name) for name in _CONTACTS[kind])
+            words = " and ".join(f"contact.{name}" for name in _CONTACTS[kind])
+            fraction = self.control.period / math.ceil(self.control.period / bound)
+            raise ValueError(
+                f"simulation.time_step = {step:g} s is too long for {words} = {stiffness:g} N/m and {damping:g} N s/m: "
+                f"the reduced plant is stable up to {bound:.3g} s, so take {fraction:.3g} or less"
+            )
+        return self
+
     @property
     def steps_per_tick(self) -> int:
         """Physics steps in one control period."""
         return round(self.control.period / self.simulation.time_step)
+
+
+_READ_BY_PYMUNK_ONLY = ("solver_iterations", "joint_error_time", "collision_slop")
+"""Parameters of `simulation` that another engine would silently leave aside."""
+
+_CONTACTS: Mapping[str, tuple[str, str]] = {
+    "tip": ("stiffness", "damping"),
+    "solid": ("solid_stiffness", "solid_damping"),
+}
+"""Stiffness and damping of each kind of contact."""
+
+
+def _longest_step(config: MissionConfig, kind: str) -> float:
+    """The longest step [s] at which the reduced plant's contact with the lightest body is stable.
+
+    Velocity Verlet with damping at the predicted velocity is stable while k h^2 / 4 + c h < m, m the effective mass
+    of the contact. No joint makes a body lighter than it is by itself, so m is taken of bodies without joints.
+    """
+    stiffness, damping = (float(getattr(config.contact, name)) for name in _CONTACTS[kind])
+    bodies = _hand_bodies(config.robot) if kind == "tip" else _solid_bodies(config.robot)
+    target = config.target
+    of_target = 1.0 / target.mass + target.side**2 / 2.0 / target.inertia
+    lightest = max(1.0 / mass + reach**2 / inertia for mass, inertia, reach in bodies) + of_target
+    return 2.0 * (math.sqrt(damping**2 + stiffness / lightest) - damping) / stiffness
+
+
+def _hand_bodies(robot: RobotConfig) -> list[tuple[float, float, float]]:
+    """Mass, inertia, and the farthest contact from the centre of mass, of the body that carries the tips."""
+    hand, link = robot.arm.hand, robot.arm.link_3
+    if robot.servo.hand_mount is HandMount.YIELDING:
+        ahead = max(hand.centre_of_mass, hand.centre_offset - hand.centre_of_mass)
+        return [(hand.mass, hand.inertia, math.hypot(hand.tip_offset, ahead))]
+    mass, hand_centre = hand.mass + link.mass, link.length + hand.centre_of_mass
+    centre = (link.mass * link.centre_of_mass + hand.mass * hand_centre) / mass
+    inertia = link.inertia + hand.inertia + link.mass * hand.mass / mass * (hand_centre - link.centre_of_mass) ** 2
+    reach = max(centre, math.hypot(hand.tip_offset, link.length + hand.centre_offset - centre))
+    return [(mass, inertia, reach)]
+
+
+def _solid_bodies(robot: RobotConfig) -> list[tuple[float, float, float]]:
+    """The same of every body that is solid."""
+    arm, base = robot.arm, robot.base
+    links = [arm.link_1, arm.link_2]
+    if robot.servo.hand_mount is HandMount.YIELDING:
+        links.append(arm.link_3)
+    corner = math.hypot(base.width / 2, base.depth / 2 + abs(base.centre_of_mass_ahead))
+    return [
+        (base.mass, base.inertia, corner),
+        *((it.mass, it.inertia, max(it.centre_of_mass, it.length - it.centre_of_mass)) for it in links),
+        *_hand_bodies(robot),
+    ]
 
 
 def parameters_of(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, Any]]:

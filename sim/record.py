@@ -38,6 +38,29 @@ def code_of(choice: StrEnum) -> int:
     return list(type(choice)).index(choice)
 
 
+def packed(values: Any) -> np.ndarray[Any, np.dtype[Any]]:
+    """Numbers, arrays and named tuples of them as one record, shape (1,), by the same names.
+
+    Compiled code hands a record on as one address; a named tuple, array by array.
+    """
+    result = np.zeros(1, _packed_dtype(values))
+    for name, value in zip(values._fields, values, strict=True):
+        result[name] = packed(value) if isinstance(value, tuple) else value
+    return result
+
+
+def _packed_dtype(values: Any) -> np.dtype[Any]:
+    fields: list[tuple[Any, ...]] = []
+    for name, value in zip(values._fields, values, strict=True):
+        if isinstance(value, tuple):
+            fields.append((name, _packed_dtype(value)))
+        elif isinstance(value, np.ndarray):
+            fields.append((name, np.float64, value.shape))
+        else:
+            fields.append((name, np.int64 if isinstance(value, int) else np.float64))
+    return np.dtype(fields, align=True)
+
+
 def _names(model: type[BaseModel]) -> list[str]:
     """The fields that are numbers or choices; the version of their names is neither."""
     return [name for name in model.model_fields if name != VERSION]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from sim.compiled import FloatArray
+from sim.config import Engine, MissionConfig
+from sim.plant.engine import simulated_plant
 from sim.plant.plant import Plant
 from sim.record import Record
 
@@ -12,3 +14,9 @@ def after(plant: Plant, joint_rate: FloatArray, ticks: int = 1) -> Record:
     for _ in range(ticks):
         plant.command(joint_rate)
     return plant.state
+
+
+def laid_out(engine: Engine, config: MissionConfig) -> Plant:
+    """That engine's plant of a configuration, unchecked: a plant may begin in contact, a mission may not."""
+    simulation = config.simulation.model_copy(update={"engine": engine})
+    return simulated_plant(config.model_copy(update={"simulation": simulation}))

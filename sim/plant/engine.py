@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from sim.config import Engine, MissionConfig
 from sim.plant.plant import AirTable, Plant
 from sim.plant.pymunk_plant import PymunkPlant
+from sim.plant.reduced_plant import ReducedPlant
 
 ENGINES: Mapping[Engine, Callable[[MissionConfig, AirTable], Plant]] = {
     Engine.PYMUNK: PymunkPlant,
+    Engine.REDUCED: ReducedPlant,
 }
 """Each makes robot and target as configured, floating free or on an air table."""
 

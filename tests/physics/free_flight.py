@@ -10,15 +10,16 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from sim.compiled import FloatArray, compiled
-from sim.config import MissionConfig
+from sim.config import Engine, MissionConfig
 from sim.configurations import revised
 from sim.model.generalized_jacobian import free_flying_model
 from sim.model.planar import rotated
 from sim.model.robot import JOINTS, LINKS, RobotModel, chain, robot_model
 from sim.plant.chipmunk import ANGLE, POSITION, get_scalar, get_vector
-from sim.plant.plant import advance_plant
+from sim.plant.engine import simulated_plant
+from sim.plant.plant import PlantHandle, advance_plant
 from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant, body_of
-from sim.record import Record
+from sim.record import Record, record_of
 
 AMPLITUDE = np.array([[0.30, 0.45, 0.60], [0.25, 0.50, 0.40]])
 """Of each joint's rate [rad/s]: a capture's arms move at up to 0.8."""
@@ -34,54 +35,71 @@ class Flight(NamedTuple):
     shape: FloatArray
     """Joint angles left 1-3, right 1-3, mounts, shape (ticks, 8)."""
     momentum: FloatArray
+    base_twist: FloatArray
+    joint_rate: FloatArray
+    """Of joints left 1-3, right 1-3, shape (ticks, 6)."""
     gap: FloatArray
-    """Largest distance of two anchors that a pivot should hold together [m], shape (ticks,)."""
+    """Largest distance of two anchors that a pivot should hold together [m], shape (ticks,); zero without pivots."""
 
 
-def remote_target() -> MissionConfig:
+def remote_target(engine: Engine = Engine.PYMUNK) -> MissionConfig:
     """The default robot, its target at rest and out of reach."""
-    return revised(MissionConfig(), {"target": {"initial_y": 4.0, "initial_spin": 0.0}})
+    target = {"initial_y": 4.0, "initial_spin": 0.0}
+    return revised(MissionConfig(), {"target": target, "simulation": {"engine": engine.value}})
 
 
 def fly_freely(config: MissionConfig, seconds: float) -> Flight:
     """Sinusoidal joint rates on the simulated plant for that long."""
-    plant = PymunkPlant(config)
+    plant = simulated_plant(config)
     ticks = round(seconds / config.control.period)
     flight = Flight(
         np.zeros(ticks + 1),
         np.zeros((ticks + 1, 3)),
         np.zeros((ticks + 1, 8)),
         np.zeros((ticks + 1, 3)),
+        np.zeros((ticks + 1, 3)),
+        np.zeros((ticks + 1, 6)),
         np.zeros(ticks + 1),
     )
-    _fly(plant.handle, plant.parameters, plant.state, AMPLITUDE, FREQUENCY, flight)
+    parameters = record_of(config)
+    if isinstance(plant, PymunkPlant):
+        for tick in range(ticks + 1):
+            _fly(plant.handle, parameters, plant.state, AMPLITUDE, FREQUENCY, flight, tick, tick + 1)
+            flight.gap[tick] = largest_gap(plant.handle)
+    else:
+        _fly(plant.handle, parameters, plant.state, AMPLITUDE, FREQUENCY, flight, 0, ticks + 1)
     return flight
 
 
 @compiled
 def _fly(
-    handle: PymunkHandle,
+    handle: PlantHandle,
     parameters: Record,
     state: Record,
     amplitude: FloatArray,
     frequency: FloatArray,
     flight: Flight,
+    begin: int,
+    end: int,
 ) -> None:
+    """Ticks from `begin` to before `end`; tick 0 is the start, to which nothing leads."""
     rates = np.zeros((2, JOINTS))
-    for tick in range(flight.time.shape[0]):
+    for tick in range(begin, end):
         if tick > 0:
+            # Sines, not cosines: the motion begins at rest, so no servo has a jump to make.
+            for arm in range(2):
+                for joint in range(JOINTS):
+                    rates[arm, joint] = amplitude[arm, joint] * math.sin(frequency[arm, joint] * state.time)
             advance_plant(handle, parameters, rates, state)
-        time = state.time
-        # Sines, not cosines: the motion begins at rest, so no servo has a jump to make.
         for arm in range(2):
             for joint in range(JOINTS):
-                rates[arm, joint] = amplitude[arm, joint] * math.sin(frequency[arm, joint] * time)
                 flight.shape[tick, JOINTS * arm + joint] = state.joint_angle[arm, joint]
+                flight.joint_rate[tick, JOINTS * arm + joint] = state.joint_rate[arm, joint]
             flight.shape[tick, 2 * JOINTS + arm] = state.mount_angle[arm]
-        flight.time[tick] = time
+        flight.time[tick] = state.time
         flight.base_pose[tick] = state.base_pose
         flight.momentum[tick] = state.momentum
-        flight.gap[tick] = largest_gap(handle)
+        flight.base_twist[tick] = state.base_twist
 
 
 @compiled

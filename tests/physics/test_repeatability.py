@@ -8,10 +8,12 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from sim.capture.mission import Mission
 from sim.capture.run import run_capture
-from sim.configurations import named_configuration
+from sim.config import Engine
+from sim.configurations import named_configuration, revised
 from sim.control.phases import Command
 
 
@@ -33,22 +35,28 @@ def flown_in_chunks(ticks: int):
     return mission, np.concatenate(rows)
 
 
-def published_digest() -> str:
+def published_digest(engine: str) -> str:
     ticks: list = []
-    run_capture(named_configuration("published"), on_ticks=ticks.append)
+    config = revised(named_configuration("published"), {"simulation": {"engine": engine}})
+    run_capture(config, on_ticks=ticks.append)
     return digest(np.concatenate(ticks))
 
 
-def test_again_in_this_process(fly):
-    assert published_digest() == digest(fly("published").ticks)
+@pytest.fixture(params=[engine.value for engine in Engine])
+def engine(request) -> str:
+    return request.param
 
 
-def test_in_a_fresh_process(fly):
-    script = "from test_repeatability import published_digest; print(published_digest())"
+def test_again_in_this_process(fly, engine):
+    assert published_digest(engine) == digest(fly("published", changes={"simulation.engine": engine}).ticks)
+
+
+def test_in_a_fresh_process(fly, engine):
+    script = f"from test_repeatability import published_digest; print(published_digest({engine!r}))"
     fresh = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=_environment(), timeout=300
     )
-    assert fresh.stdout.strip() == digest(fly("published").ticks)
+    assert fresh.stdout.strip() == digest(fly("published", changes={"simulation.engine": engine}).ticks)
 
 
 def _environment() -> dict[str, str]:
