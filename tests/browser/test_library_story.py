@@ -63,6 +63,7 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     expect(both.get_by_role("row", name=re.compile("^Peak to closure"))).to_be_visible()
     curves = other.get_by_role("figure", name=re.compile("^Tip force")).locator("i")
     expect(curves).to_have_count(2)  # the second run's readings beside the first's
+    expect(curves.first).to_have_text(re.compile(r"^\d"))
     console.screenshot(path=ARTIFACTS / "compared.png")
     both.get_by_role("link", name="End comparison").click()
     expect(curves).to_have_count(0)
