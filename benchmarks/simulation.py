@@ -20,8 +20,8 @@ import numpy as np
 
 from sim.capture.caging import cage
 from sim.capture.events import Ticks
-from sim.capture.judge import JUDGEMENT, begin_judgement, judge
 from sim.capture.mission import Mission, prepare
+from sim.capture.monitor import MONITOR, begin_monitoring, watch
 from sim.capture.run import run_capture
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
@@ -30,6 +30,7 @@ from sim.control.memory import MEMORY
 from sim.control.phases import Command, Phase, Sequence, Verdict
 from sim.method.method import MethodHandle, begin_sequence, decide, method_of
 from sim.model.robot import LINKS, Chain, chain
+from sim.perception.perceived import PERCEIVED, perceive
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
 from sim.plant.plant import PLANT_STATE, advance_plant
 from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant
@@ -84,23 +85,30 @@ def _plant_ticks(handle: PymunkHandle, parameters: Record, state: Record, rates:
 
 
 @compiled
-def _judged_ticks(
-    handle: PymunkHandle, parameters: Record, notes: Record, memory: Record, state: Record, flown: Ticks
+def _watched_ticks(
+    handle: PymunkHandle, parameters: Record, monitor: Record, memory: Record, state: Record, flown: Ticks
 ) -> None:
     for row in flown:
-        judge(notes, memory, parameters, handle.robot, state, _seen(handle, state, row))
+        watch(monitor, memory, parameters, handle.robot, state, _recalled(handle, state, row))
 
 
 @compiled
 def _controlled_ticks(
-    handle: PymunkHandle, method: MethodHandle, parameters: Record, memory: Record, state: Record, flown: Ticks
+    handle: PymunkHandle,
+    method: MethodHandle,
+    parameters: Record,
+    memory: Record,
+    state: Record,
+    known: Record,
+    flown: Ticks,
 ) -> None:
     for row in flown:
-        decide(method, memory, parameters, handle.robot, state, _seen(handle, state, row), Verdict.NONE)
+        believed = perceive(known, parameters, handle.robot, state, _recalled(handle, state, row))
+        decide(method, memory, parameters, handle.robot, known, believed, Verdict.NONE)
 
 
 @compiled
-def _seen(handle: PymunkHandle, state: Record, row: Record) -> Chain:
+def _recalled(handle: PymunkHandle, state: Record, row: Record) -> Chain:
     """The plant's state as a recorded tick has it, and its chain."""
     state.time = row.time
     state.base_pose[:], state.base_twist[:] = row.base_pose, row.base_twist
@@ -117,7 +125,8 @@ def tick_shares() -> dict[str, float]:
     config = MissionConfig()
     chosen = method_of(config)
     method = chosen.handle(config, np.zeros(1, chosen.memory))
-    memory, notes, state = (np.zeros(1, kind)[0] for kind in (MEMORY, JUDGEMENT, PLANT_STATE))
+    kinds = (MEMORY, MONITOR, PLANT_STATE, PERCEIVED)
+    memory, monitor, state, known = (np.zeros(1, kind)[0] for kind in kinds)
     plants = iter([PymunkPlant(config) for _ in range(2 * ROUNDS + 2)])
     handle, parameters = PymunkPlant(config).handle, record_of(config)
     flown = _begun(config).advance(TICKS)
@@ -132,20 +141,25 @@ def tick_shares() -> dict[str, float]:
 
     def steer() -> None:
         begin_sequence(method, memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
-        _controlled_ticks(handle, method, parameters, memory, state, flown)
+        _controlled_ticks(handle, method, parameters, memory, state, known, flown)
 
     def look() -> None:
-        begin_judgement(notes, 0.0, state["momentum"])
-        _judged_ticks(handle, parameters, notes, memory, state, flown)
+        begin_monitoring(monitor, 0.0, state["momentum"])
+        _watched_ticks(handle, parameters, monitor, memory, state, flown)
 
-    parts = {"pymunk's step": step, "plant, with that step": fly_plant, "controller": steer, "judge": look}
+    parts = {
+        "pymunk's step": step,
+        "plant, with that step": fly_plant,
+        "perception and controller": steer,
+        "monitor": look,
+    }
     times = {}
     for name, part in parts.items():
         part()  # compiled
         times[name] = best_time(part)
     missions = iter([_begun(config) for _ in range(ROUNDS)])
     whole = best_time(lambda: next(missions).advance(TICKS))
-    rest = whole - times["plant, with that step"] - times["controller"] - times["judge"]
+    rest = whole - times["plant, with that step"] - times["perception and controller"] - times["monitor"]
     return {name: taken / whole for name, taken in {**times, "rest: rows, fresh memory, events": rest}.items()}
 
 

@@ -347,7 +347,7 @@ def _noise(quantity: str, unit: str, most: float) -> Any:
 
 
 class NoiseConfig(ConfigModel):
-    """White Gaussian noise in what the controller sees, every tick anew (`sim.plant.sensing`)."""
+    """White Gaussian noise in what the controller sees, every tick anew (`sim.perception`)."""
 
     position: Number = _noise("positions of base and target", "m", 1)
     angle: Number = _noise("angles of base and target", "rad", 3)
@@ -359,10 +359,19 @@ class NoiseConfig(ConfigModel):
     torque: Number = _noise("torques at the wrists", "N m", 1000)
 
 
-class SensingConfig(ConfigModel):
-    """How the controller sees the plant."""
+class PerceptionConfig(ConfigModel):
+    """What the controller knows of robot and target (`sim.perception`)."""
 
     noise: NoiseConfig = NoiseConfig()
+    contact_threshold: Number = parameter(
+        0.12,
+        "Wrist force that counts as contact, until it falls under half of it; perfect sensors need none",
+        unit="N",
+        source="chosen: six standard deviations of the testbed's wrists",
+        gt=0,
+        le=100,
+        live=True,
+    )
 
 
 class JudgingConfig(ConfigModel):
@@ -468,7 +477,7 @@ class MissionConfig(MethodGroups):
     robot: RobotConfig = RobotConfig()
     target: TargetConfig = TargetConfig()
     contact: ContactConfig = ContactConfig()
-    sensing: SensingConfig = SensingConfig()
+    perception: PerceptionConfig = PerceptionConfig()
     control: ControlConfig = ControlConfig()
     judging: JudgingConfig = JudgingConfig()
     simulation: SimulationConfig = SimulationConfig()

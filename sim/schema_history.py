@@ -43,6 +43,7 @@ PARAMETER_CHANGES: tuple[Change, ...] = (
     renamed("control.impedance", "published.impedance"),
     renamed("control.touch", "published.touch"),
     renamed("control.caging", "published.caging"),
+    renamed("sensing", "perception"),
 )
 """Paths of the configuration, in the order in which they changed: of runs, presets, studies, events and files."""
 

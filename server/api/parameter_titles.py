@@ -12,7 +12,7 @@ _GROUPS = {
     "robot.servo": ("Joint servos", "{}"),
     "target": ("Target", "{} of the target"),
     "contact": ("Contact of tip and target", "{} of the contact"),
-    "sensing.noise": ("Sensor noise", "Noise of the {}"),
+    "perception.noise": ("Sensor noise", "Noise of the {}"),
     "control": ("Controller", "{}"),
     "published.impedance": ("Impedance of the hands", "Virtual {} of the hand"),
     "published.touch": ("Touching", "{}"),

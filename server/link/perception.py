@@ -23,7 +23,8 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.control.hand_motion import generalized_velocity
 from sim.model.generalized_jacobian import free_flying_model, momentum
-from sim.model.robot import FREEDOMS, JOINTS, Chain, RobotModel, chain, freedom, robot_model, tip_position
+from sim.model.robot import FREEDOMS, JOINTS, Chain, RobotModel, chain, freedom, robot_model
+from sim.perception.contact import is_touching, touching_tip
 from sim.record import Record
 
 AFTER_CONTACT = 0.15
@@ -182,8 +183,7 @@ class Perception:
     def take_wrench(self, arm: int, sample: PlaneSample) -> None:
         """Take a wrist's wrench, hand's axes."""
         force = math.hypot(sample.value[0], sample.value[1])
-        level = 0.5 * self.contact_threshold if self._touching[arm] else self.contact_threshold
-        self._touching[arm] = force > level
+        self._touching[arm] = is_touching(self._touching[arm], force, self.contact_threshold)
         self._wrench[arm] = sample.value
         if self._touching[arm]:
             self._last_contact = sample.stamp
@@ -231,15 +231,9 @@ class Perception:
         cosine, sine = math.cos(pose[2]), math.sin(pose[2])
         force = np.array([cosine * fx - sine * fy, sine * fx + cosine * fy])
         state["hand_wrench"][arm] = *force, torque
-        tip = self._touching_tip(pose, force, torque)
+        tip = touching_tip(self._robot, pose, state["hand_wrench"][arm])
         state["tip_force"][arm, tip] = force
         state["tip_contact"][arm, tip] = 1
-
-    def _touching_tip(self, hand_pose: FloatArray, force: FloatArray, torque: float) -> int:
-        """The tip whose lever explains the torque better: a wrist cannot tell where it is touched."""
-        levers = [np.array(tip_position(self._robot, hand_pose, tip)) - hand_pose[:2] for tip in range(2)]
-        errors = [abs(lever[0] * force[1] - lever[1] * force[0] - torque) for lever in levers]
-        return int(errors[1] < errors[0])
 
     def _write_momentum(self, links: Chain, state: Record) -> None:
         base, target, twist = state["base_pose"], state["target_pose"], state["target_twist"]

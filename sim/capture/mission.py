@@ -1,4 +1,4 @@
-"""A mission: the plant, the controller and the judge, one control tick after another.
+"""A mission: the plant, perception, the controller and the monitor, one control tick after another.
 
 `Mission.advance` is the only way that time passes: live, headless and in replay. Its loop is compiled;
 `tick` is one turn of it. A mission belongs to one thread.
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.capture.caging import Cage, cage
+from sim.capture.caging import Cage, cage, tips_enclose
 from sim.capture.events import (
     Event,
     Ticks,
@@ -24,12 +24,12 @@ from sim.capture.events import (
     touch_event,
     verdict_event,
 )
-from sim.capture.judge import (
-    JUDGEMENT,
-    begin_judgement,
-    judge,
+from sim.capture.monitor import (
+    MONITOR,
+    begin_monitoring,
     outcome_of,
     touches_of,
+    watch,
 )
 from sim.capture.narration import description, readiness
 from sim.capture.stages import Visit, stages, visits_after
@@ -44,9 +44,9 @@ from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.method.method import MethodHandle, begin_sequence, decide, enter_phase, method_of
 from sim.model.robot import Chain, RobotModel, chain, robot_model
+from sim.perception.perceived import PERCEIVED, Perceived, perceive
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
-from sim.plant.sensing import Seen, is_noisy, sense
 from sim.record import Record, record_of
 from sim.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
 
@@ -58,9 +58,9 @@ def fly(
     robot: RobotModel,
     parameters: Record,
     memory: Record,
-    notes: Record,
+    monitor: Record,
     state: Record,
-    seen: Seen,
+    known: Perceived,
     rows: Ticks,
 ) -> tuple[int, bool]:
     """Fly as many ticks as there are rows of `TICK`, which are filled; stops after the tick of a verdict.
@@ -70,7 +70,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(method, robot, parameters, memory, notes, state, seen, rows[place])
+        over = _decide(method, robot, parameters, memory, monitor, state, known, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -84,24 +84,22 @@ def _decide(
     robot: RobotModel,
     parameters: Record,
     memory: Record,
-    notes: Record,
+    monitor: Record,
     state: Record,
-    seen: Seen,
+    known: Perceived,
     row: Record,
 ) -> bool:
-    """Judge a state, command joint rates from what is seen of it, and write a row of `TICK`; whether a verdict fell."""
-    before = notes.verdict
+    """Watch a state, command joint rates from what is known of it, write a row of `TICK`; whether a verdict fell."""
+    before = monitor.verdict
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
-    judge(notes, memory, parameters, robot, state, links)
-    over = bool(notes.verdict != before)
-    verdict = notes.verdict if over else Verdict.NONE
-    if is_noisy(parameters.sensing.noise):
-        told = sense(parameters.sensing.noise, parameters.simulation.seed, state, seen)
-        links_told = chain(robot, told.base_pose, told.joint_angle, told.mount_angle)
-        decide(method, memory, parameters, robot, told, links_told, verdict)
-    else:
-        decide(method, memory, parameters, robot, state, links, verdict)
-    _write(row, memory, notes, state, links)
+    watch(monitor, memory, parameters, robot, state, links)
+    over = bool(monitor.verdict != before)
+    verdict = monitor.verdict if over else Verdict.NONE
+    belief = known[0]
+    believed = perceive(belief, parameters, robot, state, links)
+    belief.closed = tips_enclose(robot, believed.hand_pose, belief.target_pose, parameters.target.side)
+    decide(method, memory, parameters, robot, belief, believed, verdict)
+    _write(row, memory, monitor, state, links, belief)
     return over
 
 
@@ -111,9 +109,9 @@ def follow(
     robot: RobotModel,
     parameters: Record,
     memory: Record,
-    notes: Record,
+    monitor: Record,
     state: Record,
-    seen: Seen,
+    known: Perceived,
     recorded: Ticks,
     rows: Ticks,
 ) -> int:
@@ -125,7 +123,7 @@ def follow(
     """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        if _decide(method, robot, parameters, memory, notes, state, seen, rows[place]):
+        if _decide(method, robot, parameters, memory, monitor, state, known, rows[place]):
             return place + 1
     return len(recorded)
 
@@ -147,12 +145,12 @@ def recall(row: Record, state: Record) -> None:
 
 
 @compiled
-def _write(row: Record, memory: Record, notes: Record, state: Record, links: Chain) -> None:
-    """One tick as it is recorded: the state it began with and what was commanded from it."""
+def _write(row: Record, memory: Record, monitor: Record, state: Record, links: Chain, belief: Record) -> None:
+    """One tick as it is recorded: the state it began with, what was known of it and what was commanded from that."""
     row.tick, row.time = state.tick, state.time
     row.phase, row.activity, row.plan = memory.phase, memory.activity, memory.plan_count
-    row.closed, row.rate_limited = memory.closed, memory.rate_limited
-    row.base_overlap, row.solid_contact = notes.base_overlap, state.arm_contact > 0
+    row.closed, row.perceived_closed, row.rate_limited = monitor.closed, belief.closed, memory.rate_limited
+    row.base_overlap, row.solid_contact = monitor.base_overlap, state.arm_contact > 0
     row.base_contact = state.base_contact
     row.base_pose[:], row.base_twist[:] = state.base_pose, state.base_twist
     row.target_pose[:], row.target_twist[:] = state.target_pose, state.target_twist
@@ -166,7 +164,12 @@ def _write(row: Record, memory: Record, notes: Record, state: Record, links: Cha
     for arm in range(2):
         for tip in range(2):
             row.tip_contact[arm, tip] = state.tip_contact[arm, tip] != 0
-    row.manipulability[:] = notes.manipulability
+    row.base_perceived_pose[:], row.base_perceived_twist[:] = belief.base_pose, belief.base_twist
+    row.target_perceived_pose[:], row.target_perceived_twist[:] = belief.target_pose, belief.target_twist
+    row.perceived_hand_wrench[:] = belief.hand_wrench
+    for arm in range(2):
+        row.perceived_contact[arm] = belief.touching[arm] != 0
+    row.manipulability[:] = monitor.manipulability
     row.momentum[:] = state.momentum
 
 
@@ -184,14 +187,14 @@ class Mark(NamedTuple):
     config: MissionConfig
     memory: Record
     own: np.ndarray[Any, np.dtype[Any]]
-    notes: Record
+    monitor: Record
     state: Record
-    seen: Seen
+    known: Perceived
     last: Ticks
     outcome: Outcome | None
     touches: tuple[Touch, ...]
     visits: tuple[Visit, ...]
-    told: frozenset[str]
+    announced: frozenset[str]
 
 
 class Mission:
@@ -218,14 +221,14 @@ class Mission:
         self._method_handle = self.method.handle(config, self._own)
         self._memory: Record = np.zeros(1, MEMORY)[0]
         begin_sequence(self._method_handle, self._memory, int(Phase.IDLE), int(Sequence.NONE))
-        self._notes: Record = np.zeros(1, JUDGEMENT)[0]
-        self._notes["begun_at"] = math.nan
-        self._seen = np.zeros(1, PLANT_STATE)
-        self._notes["open_touch"] = -1
+        self._monitor: Record = np.zeros(1, MONITOR)[0]
+        self._monitor["begun_at"] = math.nan
+        self._known = np.zeros(1, PERCEIVED)
+        self._monitor["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []
         self._visits = visits_after([], self._last, config)
-        self._told: set[str] = set()
+        self._announced: set[str] = set()
         self._events: list[Event] = []
         self._outcome: Outcome | None = None
 
@@ -269,11 +272,11 @@ class Mission:
         phase, sequence = next_phase(self.phase, command, self.method.commands)
         begin_sequence(self._method_handle, self._memory, int(phase), int(sequence))
         if sequence is not Sequence.NONE:
-            begin_judgement(self._notes, self.time, self._plant.state["momentum"])
+            begin_monitoring(self._monitor, self.time, self._plant.state["momentum"])
             self._outcome = None
             self._touches = []
             self._visits = self._visits[-1:]
-            self._told = set()
+            self._announced = set()
 
     def stop(self) -> None:
         """Joint rates zero from the next tick on; granted in every phase."""
@@ -313,7 +316,7 @@ class Mission:
         flown = self._fly(rows) if self._plant.handle is not None else self._advance_paced(rows)
         rows = rows[:flown]
         if flown:
-            self._tell(rows)
+            self._announce(rows)
         if self._fault is not None:
             enter_phase(self._memory, int(Phase.FAULTED), AT_REST, int(Sequence.NONE))
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
@@ -328,9 +331,9 @@ class Mission:
             self._robot,
             self._parameters,
             self._memory,
-            self._notes,
+            self._monitor,
             plant.state,
-            self._seen,
+            self._known,
             rows,
         )
         if not finite:
@@ -348,9 +351,9 @@ class Mission:
                     self._robot,
                     self._parameters,
                     self._memory,
-                    self._notes,
+                    self._monitor,
                     plant.state,
-                    self._seen,
+                    self._known,
                     rows[place],
                 )
                 plant.command(self._memory["commanded_joint_rate"])
@@ -375,13 +378,13 @@ class Mission:
                 self._robot,
                 self._parameters,
                 self._memory,
-                self._notes,
+                self._monitor,
                 self._plant.state,
-                self._seen,
+                self._known,
                 recorded[done:],
                 rows[done:],
             )
-            self._tell(rows[done : done + followed])
+            self._announce(rows[done : done + followed])
             done += followed
         return rows
 
@@ -391,14 +394,14 @@ class Mission:
             self.config,
             self._memory.copy(),
             self._own.copy(),
-            self._notes.copy(),
+            self._monitor.copy(),
             self._plant.state.copy(),
-            self._seen.copy(),
+            self._known.copy(),
             self._last,
             self._outcome,
             tuple(self._touches),
             tuple(self._visits),
-            frozenset(self._told),
+            frozenset(self._announced),
         )
 
     def go_back(self, mark: Mark) -> None:
@@ -406,12 +409,12 @@ class Mission:
         if mark.config is not self.config:
             self.config = mark.config
             self._adopt(mark.config)
-        self._memory, self._notes, self._seen = mark.memory.copy(), mark.notes.copy(), mark.seen.copy()
+        self._memory, self._monitor, self._known = mark.memory.copy(), mark.monitor.copy(), mark.known.copy()
         self._own[:] = mark.own
         for name in PLANT_STATE.names or ():
             self._plant.state[name] = mark.state[name]
         self._last, self._outcome = mark.last, mark.outcome
-        self._touches, self._told = list(mark.touches), set(mark.told)
+        self._touches, self._announced = list(mark.touches), set(mark.announced)
         self._visits = list(mark.visits)
         self._events = []
 
@@ -436,9 +439,9 @@ class Mission:
             phase: what the mission is in by now, if the last tick does not show it yet.
 
         """
-        row, notes = self._last[-1], self._notes
+        row, monitor = self._last[-1], self._monitor
         phase = Phase(int(row["phase"])) if phase is None else phase
-        touches = touches_of(notes)
+        touches = touches_of(monitor)
         plan = self._plan()
         return Snapshot(
             tick=int(row["tick"]),
@@ -456,7 +459,7 @@ class Mission:
             drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
             cage_closed=bool(row["closed"]),
             cage_margin=self._outcome.cage_margin if self._outcome and self.phase is Phase.HOLDING else None,
-            peak_tip_force=float(notes["peak"]),
+            peak_tip_force=float(monitor["peak"]),
             momentum=_vector(row["momentum"]),
             contacts=touches,
             plan=plan,
@@ -474,36 +477,39 @@ class Mission:
         rows = np.zeros(1, TICK)
         state, robot = self._plant.state, self._robot
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        judge(self._notes, self._memory, self._parameters, robot, state, links)
-        _write(rows[0], self._memory, self._notes, state, links)
+        watch(self._monitor, self._memory, self._parameters, robot, state, links)
+        belief = self._known[0]
+        perceive(belief, self._parameters, robot, state, links)
+        belief["closed"] = self._monitor["closed"]
+        _write(rows[0], self._memory, self._monitor, state, links, belief)
         return rows
 
-    def _tell(self, rows: Ticks) -> None:
+    def _announce(self, rows: Ticks) -> None:
         """Events of the ticks just flown, and the outcome if they reached a verdict."""
         self._events += events_of(rows, self._last, self.config)
         self._visits = visits_after(self._visits, rows, self.config)
         self._last = rows[-1:].copy()
-        if math.isnan(self._notes["begun_at"]):
+        if math.isnan(self._monitor["begun_at"]):
             return
         period = self.config.control.period
-        touches = touches_of(self._notes)
+        touches = touches_of(self._monitor)
         for place, touch in enumerate(touches):
             if place >= len(self._touches):
                 self._events.append(touch_event(touch.model_copy(update={"end": None}), period))
             if touch.end is not None and (place >= len(self._touches) or self._touches[place].end is None):
                 self._events.append(touch_event(touch, period))
         self._touches = touches
-        self._tell_once("closed_at", closed_event)
-        self._tell_once("locked_at", locked_event)
-        if self._outcome is None and self._notes["verdict"] != Verdict.NONE:
-            self._outcome = outcome_of(self._notes, self.config, float(rows[-1]["target_twist"][2]), self.cage())
-            self._events.append(verdict_event(self._outcome, float(self._notes["verdict_at"]), period))
+        self._announce_once("closed_at", closed_event)
+        self._announce_once("locked_at", locked_event)
+        if self._outcome is None and self._monitor["verdict"] != Verdict.NONE:
+            self._outcome = outcome_of(self._monitor, self.config, float(rows[-1]["target_twist"][2]), self.cage())
+            self._events.append(verdict_event(self._outcome, float(self._monitor["verdict_at"]), period))
 
-    def _tell_once(self, field: str, event: Callable[[float, float], Event]) -> None:
+    def _announce_once(self, field: str, event: Callable[[float, float], Event]) -> None:
         """The event of a noted instant [s], the first time that it is there."""
-        instant = float(self._notes[field])
-        if not math.isnan(instant) and field not in self._told:
-            self._told.add(field)
+        instant = float(self._monitor[field])
+        if not math.isnan(instant) and field not in self._announced:
+            self._announced.add(field)
             self._events.append(event(instant, self.config.control.period))
 
     def _plan(self) -> Plan | None:

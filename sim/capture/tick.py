@@ -1,7 +1,8 @@
 """One tick as it is recorded: `TICK`, a structured array type, and its columns with their units.
 
 Every consumer (recorder, telemetry, scene, plots, replay) reads this one record. Poses and twists are
-in world axes; hands are their centres; wrenches and forces are what the target does to the hand.
+in world axes; hands are their centres; wrenches and forces are what the target does to the hand. What is
+`perceived` is what the controller knew; all else is the truth, of a robot as far as it can be known.
 """
 
 from __future__ import annotations
@@ -51,6 +52,8 @@ QUANTITIES = (
     Quantity("rate_limited", "mission", "u1"),
     Quantity("base_contact", "mission", "u4"),
     Quantity("tip_contact", "arm", "u1", (("tip_1", "1"), ("tip_2", "1"))),
+    Quantity("perceived_closed", "mission", "u4"),
+    Quantity("perceived_contact", "arm", "u2"),
     Quantity("base_pose", "base", "f8", POSE_AXES),
     Quantity("base_twist", "base", "f8", TWIST_AXES),
     Quantity("target_pose", "target", "f8", POSE_AXES),
@@ -66,6 +69,11 @@ QUANTITIES = (
     Quantity("desired_hand_twist", "arm", "f8", TWIST_AXES),
     Quantity("hand_wrench", "arm", "f8", WRENCH_AXES),
     Quantity("tip_force", "arm", "f8", _TIP_FORCES, shape=(2, 2)),
+    Quantity("base_perceived_pose", "base", "f8", POSE_AXES),
+    Quantity("base_perceived_twist", "base", "f8", TWIST_AXES),
+    Quantity("target_perceived_pose", "target", "f8", POSE_AXES),
+    Quantity("target_perceived_twist", "target", "f8", TWIST_AXES),
+    Quantity("perceived_hand_wrench", "arm", "f8", WRENCH_AXES),
     Quantity("manipulability", "arm", "f8", unit="m2"),
     Quantity("momentum", "system", "f8", (("x", "N s"), ("y", "N s"), ("angular", "N m s"))),
 )

@@ -33,7 +33,6 @@ MEMORY = np.dtype(
         ("desired_hand_twist", np.float64, (2, 3)),
         ("commanded_joint_rate", np.float64, (2, 3)),
         ("rate_limited", np.int64),
-        ("closed", np.int64),  # the tips enclose the target at its present angle
     ],
     align=True,
 )

@@ -17,7 +17,7 @@ from sim.config import PARAMETERS
         ("robot.base.mass", "Mass of the base"),
         ("robot.arm.link_2.centre_of_mass", "Centre of mass of link 2"),
         ("target.initial_spin", "Initial spin"),
-        ("sensing.noise.joint_rate", "Noise of the joint rate"),
+        ("perception.noise.joint_rate", "Noise of the joint rate"),
         ("contact.stiffness", "Stiffness of the contact"),
         ("some.new_group.fresh_name", "Fresh name"),
     ],

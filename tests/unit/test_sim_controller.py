@@ -19,7 +19,7 @@ from sim.method.published.sequence import absorb, idle_arm_is_free
 from sim.model.clearance import initial_base_pose
 from sim.model.generalized_jacobian import free_flying_model, momentum
 from sim.model.robot import chain, initial_joint_angles, robot_model
-from sim.plant.plant import PLANT_STATE
+from sim.perception.perceived import PERCEIVED
 from sim.record import record_of
 
 CONFIG = MissionConfig()
@@ -35,7 +35,7 @@ OWN = PublishedHandle(np.zeros(1, PUBLISHED_MEMORY), TRANSITION)
 
 def at_start(phase: Phase = Phase.IDLE, sequence: Sequence = Sequence.NONE):
     """Memory, state and chain of a mission that begins such a sequence."""
-    memory, state = np.zeros(1, MEMORY)[0], np.zeros(1, PLANT_STATE)[0]
+    memory, state = np.zeros(1, MEMORY)[0], np.zeros(1, PERCEIVED)[0]
     begin_sequence(OWN, memory, int(phase), int(sequence))
     state["base_pose"] = initial_base_pose(CONFIG)
     state["joint_angle"] = initial_joint_angles(CONFIG.robot.arm)
@@ -218,7 +218,7 @@ class TestEvents:
         state["time"] = 60.0
         run(memory, state)
         assert (memory["phase"], memory["activity"]) == (Phase.CAGING, Activity.WAITING)
-        memory["closed"] = 1
+        state["closed"] = 1
         run(memory, state)
         assert memory["phase"] == Phase.HOLDING
 
@@ -228,7 +228,7 @@ class TestEvents:
             run(memory, state)
             state["time"], state["tip_contact"][0, 0] = 0.5, 1
             run(memory, state)
-            state["tip_contact"][0, 0], memory["closed"], state["time"] = 0, closed, 0.851
+            state["tip_contact"][0, 0], state["closed"], state["time"] = 0, closed, 0.851
             run(memory, state)
             assert memory["plan_count"] == plans
 

@@ -12,19 +12,19 @@ from sim.capture.mission import Mission
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command
-from sim.plant.plant import PLANT_STATE
-from sim.plant.sensing import gaussian, sense
+from sim.perception.perceived import PERCEIVED
+from sim.perception.sensing import add_noise, gaussian
 from sim.record import record_of
 
 NOISY = {
-    "sensing.noise.position": 1e-3,
-    "sensing.noise.angle": 2e-3,
-    "sensing.noise.velocity": 3e-3,
-    "sensing.noise.spin": 4e-3,
-    "sensing.noise.joint_angle": 5e-4,
-    "sensing.noise.joint_rate": 6e-3,
-    "sensing.noise.force": 7e-3,
-    "sensing.noise.torque": 8e-4,
+    "perception.noise.position": 1e-3,
+    "perception.noise.angle": 2e-3,
+    "perception.noise.velocity": 3e-3,
+    "perception.noise.spin": 4e-3,
+    "perception.noise.joint_angle": 5e-4,
+    "perception.noise.joint_rate": 6e-3,
+    "perception.noise.force": 7e-3,
+    "perception.noise.torque": 8e-4,
 }
 
 
@@ -55,19 +55,20 @@ SPREADS = {
 
 
 def _sensed(state, ticks=2000):
-    """What is seen of this state at so many ticks, less the state itself, by field: shape (ticks, numbers)."""
-    noise = record_of(revised(MissionConfig(), nested(NOISY)))["sensing"]["noise"]
-    seen, kept = np.zeros(1, PLANT_STATE), []
+    """What is read of this state at so many ticks, less the state itself, by field: shape (ticks, numbers)."""
+    noise = record_of(revised(MissionConfig(), nested(NOISY)))["perception"]["noise"]
+    kept = []
     for tick in range(ticks):
         state["tick"] = tick
-        sense(noise, 5, state, seen)
-        kept.append(seen[0].copy())
-    fields = [name for name in PLANT_STATE.names if name != "tick"]
+        known = state.copy()
+        add_noise(noise, 5, known)
+        kept.append(known)
+    fields = [name for name in PERCEIVED.names if name != "tick"]
     return {name: np.array([np.ravel(row[name] - state[name]) for row in kept], float) for name in fields}
 
 
 def test_every_channel_has_the_noise_of_its_own_sensor_around_the_true_value():
-    state = np.zeros(1, PLANT_STATE)[0]
+    state = np.zeros(1, PERCEIVED)[0]
     for place, name in enumerate(SPREADS):
         state[name] = np.arange(state[name].size).reshape(state[name].shape) + 10.0 * place
     sensed = _sensed(state)
@@ -78,7 +79,7 @@ def test_every_channel_has_the_noise_of_its_own_sensor_around_the_true_value():
 
 
 def test_no_two_channels_hear_the_same_noise():
-    sensed = _sensed(np.zeros(1, PLANT_STATE)[0])
+    sensed = _sensed(np.zeros(1, PERCEIVED)[0])
     channels = np.hstack([sensed[name] for name in SPREADS])
     assert channels.shape[1] == 30
     assert np.abs(np.corrcoef(channels.T) - np.eye(30)).max() < 0.1
@@ -102,7 +103,9 @@ def test_a_replay_hears_the_same_noise():
     assert np.array_equal(follower.follow(rows)["commanded_joint_rate"], rows["commanded_joint_rate"])
 
 
-def test_the_log_tells_the_truth():
-    _, rows = flown({"sensing.noise.position": 1e-3}, ticks=50)
-    moved = np.diff(rows["target_pose"][:, 0])
-    assert np.abs(moved).max() < 1e-9
+def test_the_log_has_the_truth_and_beside_it_what_was_known():
+    _, rows = flown({"perception.noise.position": 1e-3}, ticks=50)
+    assert np.abs(np.diff(rows["target_pose"][:, 0])).max() < 1e-9
+    errors = rows["target_perceived_pose"][:, :2] - rows["target_pose"][:, :2]
+    assert errors.std() == pytest.approx(1e-3, rel=0.2)
+    assert np.array_equal(rows["target_perceived_pose"][:, 2], rows["target_pose"][:, 2])

@@ -15,7 +15,7 @@ from sim.control.memory import MEMORY
 from sim.control.trajectory import BOTH_ARMS, follow, plan_end, time_scaling, time_to_angle
 from sim.method.published.memory import PlanKind
 from sim.method.published.plans import plan_cage, plan_release, plan_touch
-from sim.plant.plant import PLANT_STATE
+from sim.perception.perceived import PERCEIVED
 from sim.record import record_of
 
 compiling = settings(deadline=None)  # the first example may compile
@@ -28,7 +28,7 @@ PLAN_TIME = 2e-3
 
 
 def state_of(target_pose=(0.0, 0.35, 0.0), target_twist=(0.0, 0.0, 1.0), time=0.0):
-    state = np.zeros(1, PLANT_STATE)[0]
+    state = np.zeros(1, PERCEIVED)[0]
     state["target_pose"], state["target_twist"], state["time"] = target_pose, target_twist, time
     return state
 

@@ -130,4 +130,4 @@ def test_a_configuration_file_is_read(data: Path) -> None:
     assert config.published.impedance.mass == 0.05
     assert config.published.touch.absorb_time == 0.4
     assert config.target.initial_spin == 0.8
-    assert config.sensing.noise.position == 5e-4
+    assert config.perception.noise.position == 5e-4

@@ -92,7 +92,7 @@ def _cage(own: Record, memory: Record, parameters: Record, state: Record) -> tup
     again_due = False
     if own.replan_after_contact and not direct and state.time + half_tick >= own.last_contact + touch.absorb_time:
         own.replan_after_contact = 0
-        again_due = not memory.closed
+        again_due = not state.closed
     if first_due or again_due:
         own.cage_planned = own.cage_planned or first_due
         return Phase.CAGING, Activity.CLOSING, PlanKind.CAGE
@@ -100,7 +100,7 @@ def _cage(own: Record, memory: Record, parameters: Record, state: Record) -> tup
         return Phase.CAGING, Activity.SETTLING, PlanKind.NONE
     if state.time < plan_end(memory):
         return Phase.CAGING, Activity.CLOSING, PlanKind.NONE
-    if memory.closed:
+    if state.closed:
         return Phase.HOLDING, Activity.NONE, PlanKind.NONE
     return Phase.CAGING, Activity.WAITING, PlanKind.NONE
 

@@ -43,7 +43,7 @@ def _next_step(row: Any, config: MissionConfig, phase: Phase) -> tuple[str, list
         words = "no touch is being absorbed" if absorbed else "the hand is still absorbing the touch"
         return "caging", [spin, Condition.of("absorbed", words, met=absorbed)]
     if phase is Phase.CAGING:
-        return "holding", _closing_conditions(bool(row["closed"]), activity)
+        return "holding", _closing_conditions(bool(row["perceived_closed"]), activity)
     opened = activity is not Activity.OPENING
     words = "the hands are open" if opened else "the hands are still opening"
     return "capture", [Condition.of("hands_open", words, met=opened)]
@@ -67,7 +67,7 @@ def _unmet(row: Any, config: MissionConfig) -> str:
     if phase is Phase.DETUMBLING:
         slow = abs(float(row["target_twist"][2])) < config.published.caging.spin_threshold
         return "" if slow else "the spin was still over its threshold"
-    return "" if phase is not Phase.CAGING or row["closed"] else "the tips did not enclose the target"
+    return "" if phase is not Phase.CAGING or row["perceived_closed"] else "the tips did not enclose the target"
 
 
 WORDS = Words(

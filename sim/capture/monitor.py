@@ -1,7 +1,7 @@
-"""What is noted of a capture while it runs, and what the notes say about how it ended.
+"""What is noted of a capture while it runs, from the truth, and what that says about how it ended.
 
-The notes are one record, `JUDGEMENT`, kept by compiled code at every tick. `outcome_of` reads them: once as
-the paper's tables judge, at the first closed instant, and once after the arms have locked.
+The notes are one record, `MONITOR`, kept by compiled code at every tick. `outcome_of` reads it: once as the paper's
+tables judge, at the first closed instant, and once after the arms have locked.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TOUCH = np.dtype(
     align=True,
 )
 
-JUDGEMENT = np.dtype(
+MONITOR = np.dtype(
     [
         ("begun_at", np.float64),  # of the sequence being judged [s]; NaN if none is
         ("verdict", np.int64),
@@ -42,6 +42,7 @@ JUDGEMENT = np.dtype(
         ("peak_to_closure", np.float64),
         ("unplanned", np.int64),
         ("unplanned_to_closure", np.int64),
+        ("closed", np.int64),  # the tips enclose the target at its present angle
         ("base_overlap", np.int64),  # now, geometrically or in solid contact
         ("min_manipulability", np.float64),
         ("manipulability", np.float64, (2,)),  # now
@@ -56,42 +57,42 @@ JUDGEMENT = np.dtype(
 
 
 @compiled
-def begin_judgement(notes: Record, time: float, momentum: FloatArray) -> None:
-    """Forget all notes; a sequence begins now [s], with that total momentum, shape (3,)."""
-    notes.begun_at = time
-    notes.verdict = Verdict.NONE
-    notes.verdict_at = notes.closed_at = notes.locked_at = math.nan
-    notes.peak = notes.peak_to_closure = 0.0
-    notes.unplanned = notes.unplanned_to_closure = notes.base_overlap = 0
-    notes.min_manipulability = math.inf
-    notes.initial_momentum[:] = momentum
-    notes.momentum_error = 0.0
-    notes.open_touch[:] = -1
-    notes.touch_count = 0
+def begin_monitoring(monitor: Record, time: float, momentum: FloatArray) -> None:
+    """Forget all that was noted; a sequence begins now [s], with that total momentum, shape (3,)."""
+    monitor.begun_at = time
+    monitor.verdict = Verdict.NONE
+    monitor.verdict_at = monitor.closed_at = monitor.locked_at = math.nan
+    monitor.peak = monitor.peak_to_closure = 0.0
+    monitor.unplanned = monitor.unplanned_to_closure = monitor.base_overlap = 0
+    monitor.min_manipulability = math.inf
+    monitor.initial_momentum[:] = momentum
+    monitor.momentum_error = 0.0
+    monitor.open_touch[:] = -1
+    monitor.touch_count = 0
 
 
 @compiled
-def judge(notes: Record, memory: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain) -> None:
-    """Note what this tick shows, before the controller acts on it; `memory.closed` is set for it."""
-    memory.closed = tips_enclose(robot, links.hand_pose, state.target_pose, parameters.target.side)
-    notes.base_overlap = overlaps_base(parameters, state)
+def watch(monitor: Record, memory: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain) -> None:
+    """Note what this tick shows, before the controller acts on it."""
+    monitor.closed = tips_enclose(robot, links.hand_pose, state.target_pose, parameters.target.side)
+    monitor.base_overlap = overlaps_base(parameters, state)
     for arm in range(2):
-        notes.manipulability[arm] = manipulability(arm_jacobian(links, arm))
-    if math.isnan(notes.begun_at) or notes.verdict != Verdict.NONE:
+        monitor.manipulability[arm] = manipulability(arm_jacobian(links, arm))
+    if math.isnan(monitor.begun_at) or monitor.verdict != Verdict.NONE:
         return
-    _note_touches(notes, memory, parameters, state)
-    notes.min_manipulability = min(notes.min_manipulability, notes.manipulability[0], notes.manipulability[1])
+    _watch_touches(monitor, memory, parameters, state)
+    monitor.min_manipulability = min(monitor.min_manipulability, monitor.manipulability[0], monitor.manipulability[1])
     error = 0.0
     for axis in range(3):
-        error += abs(state.momentum[axis] - notes.initial_momentum[axis])
-    notes.momentum_error = max(notes.momentum_error, error)
-    if math.isnan(notes.closed_at):
-        notes.peak_to_closure, notes.unplanned_to_closure = notes.peak, notes.unplanned
-    _reach_verdict(notes, memory, parameters, state)
+        error += abs(state.momentum[axis] - monitor.initial_momentum[axis])
+    monitor.momentum_error = max(monitor.momentum_error, error)
+    if math.isnan(monitor.closed_at):
+        monitor.peak_to_closure, monitor.unplanned_to_closure = monitor.peak, monitor.unplanned
+    _reach_verdict(monitor, memory, parameters, state)
 
 
 @compiled
-def _reach_verdict(notes: Record, memory: Record, parameters: Record, state: Record) -> None:
+def _reach_verdict(monitor: Record, memory: Record, parameters: Record, state: Record) -> None:
     """Ejection over base collision over capture in the same tick, as the authors' simulator."""
     judging = parameters.judging
     distance = math.hypot(state.target_pose[0] - state.base_pose[0], state.target_pose[1] - state.base_pose[1])
@@ -99,20 +100,20 @@ def _reach_verdict(notes: Record, memory: Record, parameters: Record, state: Rec
     verdict = Verdict.NONE
     if distance >= judging.ejection_distance:
         verdict = Verdict.EJECTION
-    elif notes.base_overlap:
+    elif monitor.base_overlap:
         verdict = Verdict.BASE_COLLISION
     elif memory.phase in (Phase.DETUMBLING, Phase.CAGING) and capturing:
-        if math.isnan(notes.closed_at) and memory.closed and _target_is_slow(parameters, state):
-            notes.closed_at = state.time
-        if state.time - notes.begun_at + 0.5 * parameters.control.period >= judging.time_limit:
+        if math.isnan(monitor.closed_at) and monitor.closed and _target_is_slow(parameters, state):
+            monitor.closed_at = state.time
+        if state.time - monitor.begun_at + 0.5 * parameters.control.period >= judging.time_limit:
             verdict = Verdict.TIME_LIMIT
     elif memory.phase == Phase.HOLDING and capturing:
-        if math.isnan(notes.locked_at):
-            notes.locked_at = state.time
-        if state.time - notes.locked_at + 0.5 * parameters.control.period >= judging.hold_time:
+        if math.isnan(monitor.locked_at):
+            monitor.locked_at = state.time
+        if state.time - monitor.locked_at + 0.5 * parameters.control.period >= judging.hold_time:
             verdict = Verdict.LOCKED
     if verdict != Verdict.NONE:
-        notes.verdict, notes.verdict_at = verdict, state.time
+        monitor.verdict, monitor.verdict_at = verdict, state.time
 
 
 @compiled
@@ -141,74 +142,74 @@ def overlaps_base(parameters: Record, state: Record) -> bool:
 
 
 @compiled
-def _note_touches(notes: Record, memory: Record, parameters: Record, state: Record) -> None:
+def _watch_touches(monitor: Record, memory: Record, parameters: Record, state: Record) -> None:
     """Peaks, and the list of touches: contacts of one arm with shorter gaps than `touch_gap` are one."""
     for arm in range(2):
         force = math.hypot(state.hand_wrench[arm, 0], state.hand_wrench[arm, 1])
-        notes.peak = max(notes.peak, force)
+        monitor.peak = max(monitor.peak, force)
         touching = state.tip_contact[arm, 0] or state.tip_contact[arm, 1]
-        place = notes.open_touch[arm]
-        if place >= 0 and not touching and state.time - notes.touches[place].last > parameters.judging.touch_gap:
-            notes.open_touch[arm] = place = -1
+        place = monitor.open_touch[arm]
+        if place >= 0 and not touching and state.time - monitor.touches[place].last > parameters.judging.touch_gap:
+            monitor.open_touch[arm] = place = -1
         if not touching:
             continue
         plan_running = memory.plan_knots > 1 and state.time < plan_end(memory)
-        notes.unplanned = notes.unplanned or plan_running
-        if place < 0 and notes.touch_count < MAX_TOUCHES:
-            place = notes.touch_count
-            notes.touch_count += 1
-            notes.open_touch[arm] = place
-            touch = notes.touches[place]
+        monitor.unplanned = monitor.unplanned or plan_running
+        if place < 0 and monitor.touch_count < MAX_TOUCHES:
+            place = monitor.touch_count
+            monitor.touch_count += 1
+            monitor.open_touch[arm] = place
+            touch = monitor.touches[place]
             touch.arm, touch.start, touch.peak, touch.planned = arm, state.time, 0.0, not plan_running
         if place >= 0:
-            notes.touches[place].last = state.time
-            notes.touches[place].peak = max(notes.touches[place].peak, force)
+            monitor.touches[place].last = state.time
+            monitor.touches[place].peak = max(monitor.touches[place].peak, force)
     if state.arm_contact > 0:
-        notes.unplanned = 1
+        monitor.unplanned = 1
 
 
-def touches_of(notes: Record) -> list[Touch]:
+def touches_of(monitor: Record) -> list[Touch]:
     """The touches noted so far."""
     return [
         Touch(
             arm=ARMS[touch["arm"]],
             start=float(touch["start"]),
-            end=None if place in notes["open_touch"] and notes["verdict"] == Verdict.NONE else float(touch["last"]),
+            end=None if place in monitor["open_touch"] and monitor["verdict"] == Verdict.NONE else float(touch["last"]),
             peak=float(touch["peak"]),
             planned=bool(touch["planned"]),
         )
-        for place, touch in enumerate(notes["touches"][: notes["touch_count"]])
+        for place, touch in enumerate(monitor["touches"][: monitor["touch_count"]])
     ]
 
 
-def outcome_of(notes: Record, config: MissionConfig, spin: float, cage: Cage) -> Outcome:
-    """The outcome that the notes show at their verdict; `cage` is that of the hands and target now."""
+def outcome_of(monitor: Record, config: MissionConfig, spin: float, cage: Cage) -> Outcome:
+    """The outcome that the monitor shows at its verdict; `cage` is that of the hands and target now."""
     failure = {
         Verdict.EJECTION: OutcomeClass.EJECTION,
         Verdict.BASE_COLLISION: OutcomeClass.BASE_COLLISION,
-    }.get(Verdict(int(notes["verdict"])), OutcomeClass.UNRESOLVED)
-    closed_at, locked_at = _time(notes["closed_at"]), _time(notes["locked_at"])
-    caged = locked_at is not None and notes["verdict"] == Verdict.LOCKED and cage.caged
+    }.get(Verdict(int(monitor["verdict"])), OutcomeClass.UNRESOLVED)
+    closed_at, locked_at = _time(monitor["closed_at"]), _time(monitor["locked_at"])
+    caged = locked_at is not None and monitor["verdict"] == Verdict.LOCKED and cage.caged
     bound = config.judging.force_bound
     at_closure = failure
     if closed_at is not None:
-        at_closure = _caged_class(bool(notes["unplanned_to_closure"]), float(notes["peak_to_closure"]), bound)
-    at_lock = _caged_class(bool(notes["unplanned"]), float(notes["peak"]), bound) if caged else failure
+        at_closure = _caged_class(bool(monitor["unplanned_to_closure"]), float(monitor["peak_to_closure"]), bound)
+    at_lock = _caged_class(bool(monitor["unplanned"]), float(monitor["peak"]), bound) if caged else failure
     return Outcome(
         outcome=at_lock,
         at_first_closure=at_closure,
         at_locked_arms=at_lock,
         caged=caged,
         cage_margin=cage.margin if caged else None,
-        peak_tip_force=float(notes["peak"]),
-        peak_tip_force_to_closure=float(notes["peak_to_closure"]),
+        peak_tip_force=float(monitor["peak"]),
+        peak_tip_force_to_closure=float(monitor["peak_to_closure"]),
         closed_at=closed_at,
         locked_at=locked_at,
-        duration=float(notes["verdict_at"] - notes["begun_at"]),
-        contacts=touches_of(notes),
+        duration=float(monitor["verdict_at"] - monitor["begun_at"]),
+        contacts=touches_of(monitor),
         final_target_spin=spin,
-        min_manipulability=float(notes["min_manipulability"]),
-        momentum_error=float(notes["momentum_error"]),
+        min_manipulability=float(monitor["min_manipulability"]),
+        momentum_error=float(monitor["momentum_error"]),
     )
 
 

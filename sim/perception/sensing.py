@@ -1,22 +1,16 @@
-"""What the controller sees of the plant: its state with the sensors' noise on it.
+"""The noise of the sensors: white and Gaussian, each value from the seed, the tick and the channel alone.
 
-The noise is white and Gaussian, and each value of it follows from the seed, the tick and the channel alone. So a run
-is the same bit for bit wherever it flies, and a replay from recorded states hears the same noise again. The judge
-and the log know the true state.
+So a run is the same bit for bit wherever it flies, and a replay from recorded states hears the same noise again.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from sim.compiled import compiled
 from sim.record import Record
-
-Seen = np.ndarray[Any, np.dtype[Any]]
-"""An array of one `PLANT_STATE`."""
 
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
@@ -43,31 +37,27 @@ def is_noisy(noise: Record) -> bool:
 
 
 @compiled
-def sense(noise: Record, seed: int, state: Record, seen: Seen) -> Record:
-    """The state, one element of `PLANT_STATE`, as sensors with this `NoiseConfig` tell it.
+def add_noise(noise: Record, seed: int, known: Record) -> None:
+    """Add to every reading in one element of `PERCEIVED` the noise of its sensor at that tick.
 
     Args:
-        noise: standard deviations, SI.
+        noise: of `NoiseConfig`: standard deviations, SI.
         seed: of the run.
-        state: the true one.
-        seen: an array of one `PLANT_STATE`, which is filled and whose element is returned.
+        known: the readings; changed.
 
     """
-    seen[0] = state
-    told = seen[0]
-    tick = state.tick
+    tick = known.tick
     for axis in range(3):
         place, rate = (noise.angle, noise.spin) if axis == 2 else (noise.position, noise.velocity)
-        told.base_pose[axis] += place * gaussian(seed, tick, _BASE + axis)
-        told.base_twist[axis] += rate * gaussian(seed, tick, _BASE + 3 + axis)
-        told.target_pose[axis] += place * gaussian(seed, tick, _TARGET + axis)
-        told.target_twist[axis] += rate * gaussian(seed, tick, _TARGET + 3 + axis)
+        known.base_pose[axis] += place * gaussian(seed, tick, _BASE + axis)
+        known.base_twist[axis] += rate * gaussian(seed, tick, _BASE + 3 + axis)
+        known.target_pose[axis] += place * gaussian(seed, tick, _TARGET + axis)
+        known.target_twist[axis] += rate * gaussian(seed, tick, _TARGET + 3 + axis)
         push = noise.torque if axis == 2 else noise.force
         for arm in range(2):
-            told.joint_angle[arm, axis] += noise.joint_angle * gaussian(seed, tick, _JOINTS + 3 * arm + axis)
-            told.joint_rate[arm, axis] += noise.joint_rate * gaussian(seed, tick, _JOINTS + 6 + 3 * arm + axis)
-            told.hand_wrench[arm, axis] += push * gaussian(seed, tick, _WRENCHES + 3 * arm + axis)
-    return told
+            known.joint_angle[arm, axis] += noise.joint_angle * gaussian(seed, tick, _JOINTS + 3 * arm + axis)
+            known.joint_rate[arm, axis] += noise.joint_rate * gaussian(seed, tick, _JOINTS + 6 + 3 * arm + axis)
+            known.hand_wrench[arm, axis] += push * gaussian(seed, tick, _WRENCHES + 3 * arm + axis)
 
 
 @compiled

@@ -10,14 +10,14 @@ import pytest
 from scipy.optimize import fsolve
 
 from sim.capture.caging import Cage
-from sim.capture.judge import (
-    JUDGEMENT,
+from sim.capture.monitor import (
     MAX_TOUCHES,
-    begin_judgement,
-    judge,
+    MONITOR,
+    begin_monitoring,
     outcome_of,
     overlaps_base,
     touches_of,
+    watch,
 )
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
@@ -41,13 +41,13 @@ class Bench:
     def __init__(self, config: MissionConfig = CONFIG, sequence: Sequence = Sequence.CAPTURE) -> None:
         self.config = config
         self.parameters = record_of(config)
-        self.notes, self.memory, self.state = (np.zeros(1, kind)[0] for kind in (JUDGEMENT, MEMORY, PLANT_STATE))
+        self.monitor, self.memory, self.state = (np.zeros(1, kind)[0] for kind in (MONITOR, MEMORY, PLANT_STATE))
         self.state["base_pose"] = initial_base_pose(config)
         self.state["target_pose"] = config.target.initial_x, config.target.initial_y, config.target.initial_angle
         self.state["joint_angle"] = initial_joint_angles(config.robot.arm)
         self.memory["phase"], self.memory["sequence"] = Phase.DETUMBLING, sequence
-        self.notes["begun_at"] = math.nan
-        begin_judgement(self.notes, 0.0, np.zeros(3))
+        self.monitor["begun_at"] = math.nan
+        begin_monitoring(self.monitor, 0.0, np.zeros(3))
 
     def look(self, time: float, *, left: float = 0.0, right: float = 0.0, **state) -> None:
         """One tick at that time with those hand forces [N]; a force of zero is no contact."""
@@ -58,7 +58,7 @@ class Bench:
         for name, value in state.items():
             self.state[name] = value
         links = chain(ROBOT, self.state["base_pose"], self.state["joint_angle"], self.state["mount_angle"])
-        judge(self.notes, self.memory, self.parameters, ROBOT, self.state, links)
+        watch(self.monitor, self.memory, self.parameters, ROBOT, self.state, links)
 
     def close_the_hands(self) -> None:
         """Put the target, a corner in each hand, between hands that have closed on it."""
@@ -81,7 +81,7 @@ class Bench:
         return np.array([left, -left])
 
     def outcome(self, cage: Cage = CAGED):
-        return outcome_of(self.notes, self.config, float(self.state["target_twist"][2]), cage)
+        return outcome_of(self.monitor, self.config, float(self.state["target_twist"][2]), cage)
 
 
 class TestTouches:
@@ -90,23 +90,23 @@ class TestTouches:
         for time, force in ((1.0, 0.2), (1.001, 0.5), (1.002, 0.1)):
             bench.look(time, right=force)
         bench.look(1.003)
-        (touch,) = touches_of(bench.notes)
+        (touch,) = touches_of(bench.monitor)
         assert (touch.arm, touch.start, touch.peak, touch.planned) == ("right", 1.0, 0.5, True)
         assert touch.end is None, "it may go on within the gap"
         bench.look(1.003 + GAP)
-        assert touches_of(bench.notes)[0].end == 1.002
+        assert touches_of(bench.monitor)[0].end == 1.002
 
     def test_a_short_gap_is_bridged_and_a_long_one_is_not(self):
         bench = Bench()
         short, long = 1.0 + 0.9 * GAP, 1.0 + 3.0 * GAP
         for time, force in ((1.0, 0.2), (1.0 + 0.5 * GAP, 0.0), (short, 0.2), (1.0 + 2.0 * GAP, 0.0), (long, 0.2)):
             bench.look(time, left=force)
-        assert [(touch.start, touch.end) for touch in touches_of(bench.notes)] == [(1.0, short), (long, None)]
+        assert [(touch.start, touch.end) for touch in touches_of(bench.monitor)] == [(1.0, short), (long, None)]
 
     def test_hands_touch_each_for_itself(self):
         bench = Bench()
         bench.look(1.0, left=0.2, right=0.3)
-        assert {touch.arm: touch.peak for touch in touches_of(bench.notes)} == {"left": 0.2, "right": 0.3}
+        assert {touch.arm: touch.peak for touch in touches_of(bench.monitor)} == {"left": 0.2, "right": 0.3}
 
     def test_a_touch_while_a_plan_runs_is_unplanned(self):
         bench = Bench()
@@ -114,8 +114,8 @@ class TestTouches:
         bench.look(1.0, left=0.2)
         bench.look(2.5)
         bench.look(3.0, right=0.2)
-        assert [touch.planned for touch in touches_of(bench.notes)] == [False, True]
-        assert bench.notes["unplanned"]
+        assert [touch.planned for touch in touches_of(bench.monitor)] == [False, True]
+        assert bench.monitor["unplanned"]
 
     def test_more_than_can_be_kept_still_count_for_the_peak(self):
         bench = Bench()
@@ -123,84 +123,84 @@ class TestTouches:
             bench.look(1.5 * GAP * number, left=0.2)
             bench.look(1.5 * GAP * number + 1.1 * GAP)
         bench.look(44.0, left=5.0)
-        assert len(touches_of(bench.notes)) == MAX_TOUCHES
-        assert bench.notes["peak"] == 5.0
+        assert len(touches_of(bench.monitor)) == MAX_TOUCHES
+        assert bench.monitor["peak"] == 5.0
 
     def test_solid_contact_of_an_arm_is_unplanned(self):
         bench = Bench()
         bench.look(1.0, arm_contact=1)
-        assert bench.notes["unplanned"]
+        assert bench.monitor["unplanned"]
 
 
 class TestVerdict:
     def test_none_while_nothing_decides(self):
         bench = Bench()
         bench.look(1.0)
-        assert bench.notes["verdict"] == Verdict.NONE
+        assert bench.monitor["verdict"] == Verdict.NONE
 
     def test_ejection_at_its_distance(self):
         bench = Bench()
         base_y = bench.state["base_pose"][1]
         bench.look(1.0, target_pose=(0.0, base_y + 0.599, 0.0))
-        assert bench.notes["verdict"] == Verdict.NONE
+        assert bench.monitor["verdict"] == Verdict.NONE
         bench.look(1.1, target_pose=(0.0, base_y + 0.601, 0.0))
-        assert bench.notes["verdict"] == Verdict.EJECTION
+        assert bench.monitor["verdict"] == Verdict.EJECTION
         assert bench.outcome(FREE).outcome is OutcomeClass.EJECTION
 
     def test_base_collision_by_a_corner_in_the_base(self):
         bench = Bench()
         bench.look(1.0, target_pose=(0.0, 0.15, 0.0))
-        assert bench.notes["verdict"] == Verdict.BASE_COLLISION
+        assert bench.monitor["verdict"] == Verdict.BASE_COLLISION
         assert bench.outcome(FREE).outcome is OutcomeClass.BASE_COLLISION
 
     def test_base_collision_by_solid_contact(self):
         bench = Bench()
         bench.look(1.0, base_contact=1)
-        assert bench.notes["verdict"] == Verdict.BASE_COLLISION
+        assert bench.monitor["verdict"] == Verdict.BASE_COLLISION
 
     def test_ejection_comes_before_base_collision(self):
         bench = Bench()
         bench.look(1.0, target_pose=(2.0, 2.0, 0.0), base_contact=1)
-        assert bench.notes["verdict"] == Verdict.EJECTION
+        assert bench.monitor["verdict"] == Verdict.EJECTION
 
     def test_time_limit(self):
         bench = Bench()
         bench.look(44.998)
-        assert bench.notes["verdict"] == Verdict.NONE
+        assert bench.monitor["verdict"] == Verdict.NONE
         bench.look(45.0)
-        assert bench.notes["verdict"] == Verdict.TIME_LIMIT
+        assert bench.monitor["verdict"] == Verdict.TIME_LIMIT
         assert bench.outcome(FREE).outcome is OutcomeClass.UNRESOLVED
         assert bench.outcome(FREE).duration == 45.0
 
     def test_detumbling_alone_has_no_time_limit(self):
         bench = Bench(sequence=Sequence.DETUMBLE_ONLY)
         bench.look(50.0)
-        assert bench.notes["verdict"] == Verdict.NONE
+        assert bench.monitor["verdict"] == Verdict.NONE
 
     def test_locked_arms_are_judged_after_their_hold_time(self):
         bench = Bench()
         bench.memory["phase"] = Phase.HOLDING
         bench.look(5.0)
         bench.look(6.998)
-        assert bench.notes["verdict"] == Verdict.NONE
+        assert bench.monitor["verdict"] == Verdict.NONE
         bench.look(7.0)
-        assert bench.notes["verdict"] == Verdict.LOCKED
+        assert bench.monitor["verdict"] == Verdict.LOCKED
         assert bench.outcome().locked_at == 5.0
 
     def test_stands_once_it_is_given(self):
         bench = Bench()
         bench.look(1.0, base_contact=1)
         bench.look(2.0, base_contact=0, right=9.0, target_pose=(3.0, 3.0, 0.0))
-        assert bench.notes["verdict"] == Verdict.BASE_COLLISION
-        assert bench.notes["verdict_at"] == 1.0
-        assert bench.notes["peak"] == 0.0
+        assert bench.monitor["verdict"] == Verdict.BASE_COLLISION
+        assert bench.monitor["verdict_at"] == 1.0
+        assert bench.monitor["peak"] == 0.0
 
     def test_nothing_is_judged_before_a_sequence(self):
         bench = Bench()
-        bench.notes["begun_at"] = math.nan
+        bench.monitor["begun_at"] = math.nan
         bench.look(1.0, right=9.0, base_contact=1)
-        assert bench.notes["verdict"] == Verdict.NONE
-        assert bench.notes["peak"] == 0.0
+        assert bench.monitor["verdict"] == Verdict.NONE
+        assert bench.monitor["peak"] == 0.0
 
 
 class TestClosure:
@@ -214,8 +214,8 @@ class TestClosure:
         bench.memory["phase"] = Phase.CAGING
         bench.close_the_hands()
         bench.look(5.0, target_twist=twist)
-        assert bool(bench.memory["closed"])
-        assert (not math.isnan(bench.notes["closed_at"])) == closed
+        assert bool(bench.monitor["closed"])
+        assert (not math.isnan(bench.monitor["closed_at"])) == closed
 
     def test_speed_is_that_relative_to_the_turning_base(self):
         bench = Bench()
@@ -223,7 +223,7 @@ class TestClosure:
         bench.close_the_hands()
         reach = bench.state["target_pose"][1] - bench.state["base_pose"][1]
         bench.look(5.0, target_twist=(-0.45 * reach, 0.0, 0.45), base_twist=(0.0, 0.0, 0.45))
-        assert bench.notes["closed_at"] == 5.0
+        assert bench.monitor["closed_at"] == 5.0
 
     def test_freezes_the_peak_to_closure_and_not_the_whole(self):
         bench = Bench()
@@ -232,8 +232,8 @@ class TestClosure:
         bench.close_the_hands()
         bench.look(5.0)
         bench.look(5.5, left=1.9)
-        assert bench.notes["peak_to_closure"] == 0.9
-        assert bench.notes["peak"] == 1.9
+        assert bench.monitor["peak_to_closure"] == 0.9
+        assert bench.monitor["peak"] == 1.9
 
 
 class TestOutcome:
@@ -289,15 +289,15 @@ class TestOutcome:
         bench = Bench()
         bench.look(1.0, momentum=(1e-3, -2e-3, 3e-3))
         bench.look(2.0, momentum=(0.0, 0.0, 0.0))
-        assert bench.notes["momentum_error"] == pytest.approx(6e-3)
+        assert bench.monitor["momentum_error"] == pytest.approx(6e-3)
 
     def test_a_new_sequence_forgets_the_last(self):
         bench = self.judged(before=0.9, after=1.9)
-        begin_judgement(bench.notes, 10.0, np.zeros(3))
-        assert touches_of(bench.notes) == []
-        assert bench.notes["peak"] == 0.0
-        assert math.isnan(bench.notes["closed_at"])
-        assert bench.notes["verdict"] == Verdict.NONE
+        begin_monitoring(bench.monitor, 10.0, np.zeros(3))
+        assert touches_of(bench.monitor) == []
+        assert bench.monitor["peak"] == 0.0
+        assert math.isnan(bench.monitor["closed_at"])
+        assert bench.monitor["verdict"] == Verdict.NONE
 
 
 @pytest.mark.parametrize(
