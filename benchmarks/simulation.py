@@ -16,6 +16,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from sim.capture.caging import cage
@@ -24,17 +25,19 @@ from sim.capture.mission import Mission, prepare
 from sim.capture.monitor import MONITOR, begin_monitoring, watch
 from sim.capture.run import run_capture
 from sim.compiled import FloatArray, compiled
-from sim.config import MissionConfig
-from sim.configurations import named_configuration
+from sim.config import Engine, MissionConfig
+from sim.configurations import named_configuration, revised
 from sim.control.memory import MEMORY
 from sim.control.phases import Command, Phase, Sequence, Verdict
 from sim.method.method import MethodHandle, begin_sequence, decide, method_of
 from sim.model.robot import LINKS, Chain, chain
 from sim.perception.perceived import PERCEIVED, perceive
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
-from sim.plant.plant import PLANT_STATE, advance_plant
+from sim.plant.engine import simulated_plant
+from sim.plant.plant import PLANT_STATE, PlantHandle, advance_plant
 from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant
 from sim.record import Record, record_of
+from tests.physics.mujoco_reference import Reference
 
 ROUNDS = 5
 TICKS = 3000
@@ -79,7 +82,7 @@ def _bare_steps(handle: PymunkHandle, dt: float, rates: FloatArray) -> None:
 
 
 @compiled
-def _plant_ticks(handle: PymunkHandle, parameters: Record, state: Record, rates: FloatArray) -> None:
+def _plant_ticks(handle: PlantHandle, parameters: Record, state: Record, rates: FloatArray) -> None:
     for tick in range(rates.shape[0]):
         advance_plant(handle, parameters, rates[tick], state)
 
@@ -169,6 +172,28 @@ def _begun(config: MissionConfig) -> Mission:
     return mission
 
 
+def ratios_to_mujoco() -> dict[str, float]:
+    """Simulated seconds a second as multiples of what MuJoCo's bare `mj_step` of the same robot flies, just before.
+
+    Bare: neither controller nor contact nor judge, the arms moving at a constant torque of zero.
+    """
+    reference = Reference(MissionConfig().robot)
+    reference.model.opt.timestep = MissionConfig().simulation.time_step
+    reference.data.qvel[3:] = 0.1
+    bare = best_time(partial(mujoco.mj_step, reference.model, reference.data, TICKS)) / TICKS
+    ratios = {}
+    for engine in Engine:
+        config = revised(named_configuration("published_figures"), {"simulation": {"engine": engine.value}})
+        plant = simulated_plant(revised(config, {"target": {"initial_y": 4.0}}))
+        fly_plant = partial(_plant_ticks, plant.handle, record_of(config), plant.state, SWAY)
+        fly_plant()  # compiled
+        ratios[f"{engine.value}: plant alone, free flight"] = bare * TICKS / best_time(fly_plant)
+        ticks = run_capture(config).ticks
+        taken = best_time(partial(run_capture, config)) / ticks
+        ratios[f"{engine.value}: whole capture, with controller, judge and rows"] = bare / taken
+    return ratios
+
+
 def iteration_shares() -> dict[str, float]:
     """Time of pymunk's step at several solver iterations, relative to the default's."""
     default = MissionConfig()
@@ -200,6 +225,7 @@ def cage_times() -> dict[str, float]:
 SECTIONS: dict[str, tuple[Callable[[], dict[str, float]], str]] = {
     "Simulated seconds a second of one core, whole captures": (capture_speeds, "{:8.0f}"),
     "Share of a tick, over the approach to the first touch": (tick_shares, "{:8.0%}"),
+    "Multiples of MuJoCo's bare step of the same robot": (ratios_to_mujoco, "{:8.2f}"),
     "Pymunk's step, relative to the default's iterations": (iteration_shares, "{:8.2f}"),
     "Caging test, relative to 100 ms": (cage_times, "{:8.0%}"),
 }
