@@ -54,7 +54,7 @@ def run(store: RunStore, configuration: str, config: MissionConfig, *, direct: b
 
     """
     click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
-    prepare()
+    prepare(config.simulation.engine)
     record = new_record("scripted", display_name(configuration, config), config, direct=direct)
     store.create(record)
     record = fly(store, record, _progress())

@@ -138,7 +138,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
         raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to start over")
     with StudyTable(output.unfinished, study, anew=replace) as table:
         click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
-        prepare()
+        prepare(study.base.simulation.engine)
         resumed = len(table)
         if resumed:
             click.echo(f"Going on: {resumed} of {study.count} cells are there already", err=True)

@@ -23,6 +23,7 @@ def as_document(record: RunRecord, outcome: Outcome) -> dict[str, Any]:
         **outcome.model_dump(mode="json"),
         "real_time_factor": record.real_time_factor,
         "seed": record.config.simulation.seed,
+        "engine": record.config.simulation.engine.value,
         "run_id": record.id,
         "configuration": record.configuration,
         "direct": record.direct,
@@ -44,6 +45,7 @@ def as_text(record: RunRecord, outcome: Outcome) -> str:
         ("momentum error", f"{outcome.momentum_error:.1e} N s, N m s"),
         ("duration", f"{outcome.duration:.3f} s, {record.real_time_factor or 0:.0f} x real time"),
         ("configuration", f"{record.configuration}, seed {record.config.simulation.seed}"),
+        ("engine", record.config.simulation.engine.value),
         ("run", record.id),
     ]  # fmt: skip
     lines = [

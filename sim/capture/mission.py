@@ -35,8 +35,8 @@ from sim.capture.narration import description, readiness
 from sim.capture.stages import Visit, stages, visits_after
 from sim.capture.tick import ARMS, TICK
 from sim.compiled import FloatArray, compiled
-from sim.config import MissionConfig, differences, is_live
-from sim.configurations import require_clear_start
+from sim.config import Engine, MissionConfig, differences, is_live
+from sim.configurations import require_clear_start, revised
 from sim.control.hand_motion import hand_twists
 from sim.control.memory import MEMORY, NO_PLAN
 from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
@@ -173,9 +173,9 @@ def _write(row: Record, memory: Record, monitor: Record, state: Record, links: C
     row.momentum[:] = state.momentum
 
 
-def prepare() -> None:
-    """Compile everything that a mission runs (half a minute at the first start; cached on disk afterwards)."""
-    mission = Mission(MissionConfig())
+def prepare(engine: Engine = Engine.PYMUNK) -> None:
+    """Compile all that a mission in that engine runs (half a minute at the first start; cached on disk afterwards)."""
+    mission = Mission(revised(MissionConfig(), {"simulation": {"engine": engine.value}}))
     mission.request(Command.DIRECT_CAGE)
     mission.advance(2)
     mission.cage()

@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, JsonValue, ValidationError, ValidationInfo, field_validator, model_validator
 
-from sim.config import MissionConfig, NamesVersion
+from sim.config import Engine, MissionConfig, NamesVersion
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
     named_configuration,
@@ -48,6 +48,10 @@ from sim.study.axes import (
 )
 
 SEED = "simulation.seed"
+
+ENGINE = "simulation.engine"
+STUDY_ENGINE = Engine.REDUCED
+"""What flies a study that names no engine: its definition then says so, so that a stored one always does."""
 
 _STORED = "stored"
 """Context in which a definition is read that some version has flown."""
@@ -84,6 +88,20 @@ class Study(StudyModel):
     seed: WholeNumber = Field(0, ge=0, le=2**63 - 1, description="Of the sample's points and of every cell's own seed")
     grid: dict[str, Axis] = Field(default_factory=dict, description="Full path to the values of an axis")
     samples: Samples | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _names_its_engine(cls, given: Any, info: ValidationInfo) -> Any:
+        """A study that was stored without one, by 0.1.0, was flown by that of its configuration."""
+        if not isinstance(given, Mapping) or info.context == _STORED:
+            return given
+        changes, grid = given.get("changes", {}), given.get("grid", {})
+        if not isinstance(changes, Mapping) or not isinstance(grid, Mapping):
+            return given
+        changes = flattened(changes)
+        if ENGINE in changes or ENGINE in flattened(grid):
+            return given
+        return {**given, "changes": {ENGINE: STUDY_ENGINE.value, **changes}}
 
     @field_validator("changes", "grid", mode="before")
     @classmethod

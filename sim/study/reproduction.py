@@ -13,8 +13,16 @@ from sim.capture.run import run_capture
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
 from sim.snapshot import Outcome, OutcomeClass
-from sim.study.design import Study, configured, study_of
-from sim.study.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes, published_study
+from sim.study.design import ENGINE, Study, configured, study_of
+from sim.study.published import (
+    DAMPING,
+    MASS,
+    REPRODUCTION_ENGINE,
+    STIFFNESS,
+    Impedance,
+    published_classes,
+    published_study,
+)
 from sim.study.run import Row
 
 
@@ -50,7 +58,8 @@ def tables_study(configuration: str, every: int) -> Study:
     grid = {path: list(axis.listed()) for path, axis in published_study().grid.items()}
     for path in (DAMPING, STIFFNESS):
         grid[path] = grid[path][::every]
-    return study_of({"name": configuration, "configuration": configuration, "grid": grid})
+    changes = {ENGINE: REPRODUCTION_ENGINE.value}
+    return study_of({"name": configuration, "configuration": configuration, "changes": changes, "grid": grid})
 
 
 class Origin(StrEnum):
@@ -95,7 +104,7 @@ def ablation_study(ablation: Ablation, every: int) -> Study:
     whole = tables_study("published", every).definition()
     masses = sorted({impedance.mass for impedance in published_classes()})
     whole["grid"][MASS] = masses
-    return study_of({**whole, "name": f"ablation_{ablation.name}", "changes": dict(ablation.changes)})
+    return study_of({**whole, "name": f"ablation_{ablation.name}", "changes": {**whole["changes"], **ablation.changes}})
 
 
 def impedance_of(row: Row) -> Impedance:

@@ -52,6 +52,7 @@ MEASURES = (
     Column("final_target_spin", float, "rad/s", "Target's angular velocity at the verdict"),
     Column("min_manipulability", float, "m2", "Smallest of both arms over the sequence"),
     Column("momentum_error", float, "N s, N m s", "Largest change of total momentum: linear plus angular"),
+    Column("engine", str, "1", "What simulated the capture (simulation.engine)"),
 )
 """What is measured of a cell that was flown."""
 
@@ -88,6 +89,7 @@ def fly_cell(task: CellTask) -> Row:
         metrics = CaptureMetrics(config)
         outcome = run_capture(config, direct=task.direct, on_ticks=metrics.update).outcome
         measured = {**_measures(outcome, config.judging.rule), **metrics.measures(outcome)}
+        measured["engine"] = config.simulation.engine.value
     except CaptureError as error:
         return failed_row(task.cell, str(error))
     except Exception as error:  # one cell that fails, however it does, must not take the others along

@@ -20,7 +20,7 @@ from server.settings import Settings
 PROMISED = {
     "outcome", "caged", "cage_margin", "peak_tip_force", "peak_tip_force_to_closure", "closed_at", "contacts",
     "duration", "final_target_spin", "min_manipulability", "momentum_error", "real_time_factor", "seed", "run_id",
-    "config", "at_first_closure", "at_locked_arms",
+    "config", "engine", "at_first_closure", "at_locked_arms",
 }  # fmt: skip
 
 

@@ -6,9 +6,11 @@ import json
 
 import pytest
 
-from sim.config import value_at
+from sim.config import Engine, value_at
 from sim.errors import ConfigError
 from sim.study.design import Study, configured, flattened, read_study, study_of
+from sim.study.published import published_study
+from sim.study.reproduction import tables_study
 
 MASS, DAMPING, SPIN = "published.impedance.mass", "published.impedance.damping", "target.initial_spin"
 GRID = {MASS: [0.05, 0.1], DAMPING: [0.0, 1.5, 3.0]}
@@ -188,3 +190,29 @@ def test_a_study_is_frozen():
     assert isinstance(study, Study)
     with pytest.raises(ValueError, match="frozen"):
         study.seed = 3  # type: ignore[misc]
+
+
+class TestEngine:
+    def test_is_the_reduced_plant_and_said_in_the_definition(self):
+        study = study_of({"grid": GRID})
+        assert study.base.simulation.engine is Engine.REDUCED
+        assert study.definition()["changes"] == {"simulation.engine": "reduced"}
+
+    @pytest.mark.parametrize("changes", [{"simulation.engine": "pymunk"}, {"simulation": {"engine": "pymunk"}}])
+    def test_that_is_named_flies(self, changes):
+        assert study_of({"grid": GRID, "changes": changes}).base.simulation.engine is Engine.PYMUNK
+
+    def test_may_be_what_varies(self):
+        study = study_of({"grid": {"simulation.engine": ["pymunk", "reduced"]}})
+        assert [configured(study.base, cell).simulation.engine for cell in study.cells()] == list(Engine)
+
+    def test_of_the_papers_tables_is_the_one_that_is_written_about(self):
+        assert published_study().base.simulation.engine is Engine.PYMUNK
+        assert tables_study("as_printed", 5).base.simulation.engine is Engine.PYMUNK
+
+    def test_of_a_study_stored_without_one_is_that_of_its_configuration(self):
+        assert study_of({"grid": GRID}, stored=True).base.simulation.engine is Engine.PYMUNK
+
+    def test_refuses_what_only_pymunk_reads(self):
+        with pytest.raises(ConfigError, match=r"solver_iterations = 40 is read by simulation\.engine = 'pymunk' only"):
+            study_of({"grid": GRID, "changes": {"simulation.solver_iterations": 40}})

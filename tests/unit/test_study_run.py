@@ -84,6 +84,7 @@ def test_row_tells_cell_outcome_and_hardest_touch(flown):
     row = fly_cell(task())
     assert (row["cell"], row["published.impedance.mass"], row["contact.corner"]) == (1, 0.05, "radial")
     assert (row["outcome"], row["at_locked_arms"]) == ("caged_force_reduced", "caged_unplanned_contact")
+    assert row["engine"] == "reduced"
     assert (row["touches"], row["hardest_touch_arm"], row["hardest_touch_start"]) == (2, "left", 5.7)
     assert row["hardest_touch_peak"] == 1.9
     ((config, direct),) = flown

@@ -42,6 +42,7 @@ const LABELS: readonly (readonly [string, string])[] = [
   ["hardest_touch_start", "Hardest touch, at"],
   ["final_target_spin", "Final spin"],
   ["min_manipulability", "Minimum manipulability"],
+  ["engine", "Simulated by"],
 ];
 
 function words(study: StudyDetail, column: string, value: StudyRow[string]): string {
