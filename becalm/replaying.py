@@ -8,7 +8,8 @@ from typing import Any
 import click
 import numpy as np
 
-from server.library.folder import RunReader, TickArray
+from server.library.reader import RunReader
+from server.library.record import TickArray
 from sim.capture.mission import prepare
 from sim.capture.replay import Difference, controlled, first_difference, rerun
 from sim.capture.tick import TICK, column_values

@@ -11,7 +11,7 @@ import click
 
 from server.library.changes import display_name
 from server.library.export import LogFormat, exported
-from server.library.folder import RunRecord
+from server.library.record import RunRecord
 from server.library.runs import RunStore, new_record
 from server.library.scripted import fly
 from sim.capture.mission import prepare

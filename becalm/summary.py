@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from server.library.folder import RunRecord
+from server.library.record import RunRecord
 from sim.snapshot import Outcome
 
 _HEADLINES = {

@@ -24,7 +24,7 @@ import httpx
 import msgspec
 import viser
 
-from server.library.folder import TickArray
+from server.library.record import TickArray
 from server.library.runs import RunStore, new_record
 from sim.capture.run import run_capture
 from sim.configurations import named_configuration

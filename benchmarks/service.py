@@ -26,7 +26,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from websockets.asyncio.client import connect
 
 from server.library.export import MEDIA_TYPES, exported
-from server.library.folder import RunReader
+from server.library.reader import RunReader
 from server.library.runs import RunStore, new_record
 from server.library.scripted import fly
 from sim.capture.mission import prepare

@@ -14,8 +14,8 @@ from server.api.services import AskerDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
 from server.errors import LoopSilent
-from server.library.folder import LoggedEvent
 from server.library.plotted import History
+from server.library.record import LoggedEvent
 from server.mission.arming import ARMED_TIME
 from server.mission.fork import Fork, ForkParent, forked
 from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of

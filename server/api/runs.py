@@ -21,20 +21,10 @@ from server.edge.values import Changes, Flag, Instant, Integer, ShortText
 from server.library.changes import ParameterChange, changes_of, display_name
 from server.library.decimated import decimated
 from server.library.export import MEDIA_TYPES, LogFormat, Span, exported
-from server.library.folder import (
-    Integrity,
-    LoggedEvent,
-    Note,
-    Remarks,
-    RunKind,
-    RunName,
-    RunReader,
-    RunRecord,
-    RunStatus,
-    Tag,
-)
 from server.library.index import RunIndex, RunQuery, SortKey
 from server.library.plotted import History
+from server.library.reader import RunReader
+from server.library.record import Integrity, LoggedEvent, Note, Remarks, RunKind, RunName, RunRecord, RunStatus, Tag
 from server.library.runs import RunStore, new_record
 from sim.config import MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import Field
 
-from server.library.folder import RunRecord
+from server.library.record import RunRecord
 from sim.config import PARAMETERS, MissionConfig, differences
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
 from sim.snapshot import Published

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from server.library.export import WHOLE, Span
-from server.library.folder import RunReader, TickArray
 from server.library.plotted import HISTORY_COLUMNS, History, Values, extremes, plotted_values, rows_of
+from server.library.reader import RunReader
+from server.library.record import TickArray
 
 
 def decimated(reader: RunReader, points: int, span: Span = WHOLE) -> History:

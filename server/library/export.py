@@ -13,7 +13,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pyarrow as pa
 
-from server.library.folder import LoggedEvent, RunReader, StoredTicks
+from server.library.reader import RunReader, StoredTicks
+from server.library.record import LoggedEvent
 from server.log.writer import LogWriter
 from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.tabular import Sink, csv_header, csv_rows, parquet

@@ -24,7 +24,8 @@ from typing import Any, Literal, NamedTuple
 from server.errors import StoredUnreadable
 from server.instants import instant
 from server.library.changes import changes_of
-from server.library.folder import RECORD_NAME, REMARKS_NAME, Remarks, RunKind, RunRecord, RunStatus
+from server.library.folder import RECORD_NAME, REMARKS_NAME
+from server.library.record import Remarks, RunKind, RunRecord, RunStatus
 from server.library.runs import RUN_ID, RunStore
 from server.texts import one_line
 from sim.errors import ConfigError, RunNotFound

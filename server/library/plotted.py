@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from server.library.folder import TickArray
+from server.library.record import TickArray
 from sim.capture.tick import ARMS, COLUMNS, Column, column_values
 from sim.snapshot import Published
 

@@ -9,8 +9,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from server.library.folder import LoggedEvent, RunRecord, RunWriter, TickArray
+from server.library.record import LoggedEvent, RunRecord, TickArray
 from server.library.runs import RunStore
+from server.library.writer import RunWriter
 from server.log.writer import prepare_logs
 
 FLUSH_PERIOD = 0.25

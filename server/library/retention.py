@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
 from server.instants import instant
-from server.library.folder import RunReader
+from server.library.reader import RunReader
 from server.library.runs import RunStore
 from sim.errors import CaptureError
 

@@ -22,18 +22,16 @@ from server.library.folder import (
     CLAIM_NAME,
     LOST_AT_MOST,
     RECORD_NAME,
-    Remarks,
-    RunKind,
-    RunReader,
-    RunRecord,
-    RunWriter,
     read_record,
     read_remarks,
     repair_log,
     write_record,
     write_remarks,
 )
+from server.library.reader import RunReader
+from server.library.record import Remarks, RunKind, RunRecord
 from server.library.upgrade import upgraded
+from server.library.writer import RunWriter
 from server.log.ticks import TICK_CHANNEL
 from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig

@@ -16,8 +16,9 @@ from pathlib import Path
 
 from server.errors import ServiceBusy
 from server.instants import wall_clock
-from server.library.folder import LoggedEvent, RunRecord, RunStatus, RunWriter, TickArray
+from server.library.record import LoggedEvent, RunRecord, RunStatus, TickArray
 from server.library.runs import RunStore
+from server.library.writer import RunWriter
 from sim.capture.events import Event
 from sim.capture.run import run_capture
 from sim.control.phases import Command

@@ -17,19 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from server.library.folder import (
-    CLAIM_NAME,
-    LOG_NAME,
-    LOST_AT_MOST,
-    RECORD_NAME,
-    RunReader,
-    RunRecord,
-    RunWriter,
-    TickArray,
-    read_events,
-    record_of_today,
-    write_record,
-)
+from server.library.folder import CLAIM_NAME, LOG_NAME, LOST_AT_MOST, RECORD_NAME, read_events, write_record
+from server.library.reader import RunReader
+from server.library.record import RunRecord, TickArray, record_of_today
+from server.library.writer import RunWriter
 from server.log.ticks import StoredColumn, TickLayout, field_name, schema_of
 from sim.capture.tick import QUANTITIES, columns_of
 from sim.claim import Claim

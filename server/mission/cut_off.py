@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from server.errors import StoredUnreadable
-from server.library.folder import RunReader
+from server.library.reader import RunReader
 from server.library.runs import RunStore
 from server.mission.live_run import CUT_OFF_NOTE
 from sim.control.phases import Phase

@@ -13,7 +13,7 @@ import uuid
 from collections import deque
 from typing import NamedTuple
 
-from server.library.folder import LoggedEvent
+from server.library.record import LoggedEvent
 from server.mission.cut_off import CutOffRun
 from server.mission.history import HistoryRing
 from server.published import MissionSnapshot

@@ -10,7 +10,7 @@ import threading
 from dataclasses import dataclass, field
 
 from server.errors import ServiceBusy
-from server.library.folder import LoggedEvent
+from server.library.record import LoggedEvent
 from server.mission.history import HistoryRing
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, flown_to

@@ -11,8 +11,8 @@ import json
 import numpy as np
 from pydantic_core import to_json
 
-from server.library.folder import TickArray
 from server.library.plotted import ENCODED_COLUMNS, PLOTTED, TICK_PLACE, Values, extremes, plotted_values, rows_of
+from server.library.record import TickArray
 
 CAPACITY = 750
 """Pieces at most; two neighbours become one when it is full. Their JSON, the first that a late reader is sent, stays

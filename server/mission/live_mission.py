@@ -11,7 +11,7 @@ from typing import Any
 
 from server.instants import wall_clock
 from server.library.changes import changed_words, display_name
-from server.library.folder import LoggedEvent, RunStatus, TickArray
+from server.library.record import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
 from server.link.closing import closing_refusal
 from server.link.zenoh_plant import ZenohPlant

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from server.library.folder import LoggedEvent, RunStatus, TickArray
+from server.library.record import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
 from server.library.runs import new_record
 from server.mission.fork import Fork

@@ -12,7 +12,8 @@ import httpx
 import pytest
 
 from server.app import create_app
-from server.library.folder import RECORD_NAME, Remarks
+from server.library.folder import RECORD_NAME
+from server.library.record import Remarks
 from server.library.runs import RunStore, new_record
 from server.studies.store import StudyStore
 from sim.config import MissionConfig

@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from becalm.cli import main
-from server.library.folder import RunRecord
+from server.library.record import RunRecord
 from sim.capture.replay import controlled, first_difference, rerun
 from sim.capture.run import run_capture
 from sim.capture.tick import COLUMNS, TICK, column_values
@@ -189,7 +189,7 @@ async def test_a_disk_that_fails_is_a_problem_on_the_page_and_the_mission_flies_
     def full(_writer, _ticks):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("server.library.folder.RunWriter.append", full)
+    monkeypatch.setattr("server.library.writer.RunWriter.append", full)
     await console.granted("capture")
     shown = await console.until(lambda snapshot: any("recorded" in each.title for each in snapshot.problems))
     (problem,) = [each for each in shown.problems if "recorded" in each.title]

@@ -13,8 +13,8 @@ import numpy as np
 from fastapi import FastAPI
 
 from server.app import create_app
-from server.library.folder import RunWriter
 from server.library.runs import RunStore, new_record
+from server.library.writer import RunWriter
 from server.pages.console import serve_console
 from server.settings import Settings
 from sim.capture.tick import TICK

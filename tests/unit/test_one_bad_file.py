@@ -11,8 +11,8 @@ import pytest
 
 from server import files
 from server.errors import StoredUnreadable
-from server.library.folder import Note, Remarks
 from server.library.index import RunIndex, RunQuery
+from server.library.record import Note, Remarks
 from server.library.retention import remove_expired
 from server.library.runs import RunStore, new_record
 from server.studies.store import StudyStore

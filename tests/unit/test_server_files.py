@@ -10,7 +10,7 @@ import pytest
 
 from server.errors import StoredUnreadable
 from server.files import read_document, replace_file
-from server.library.folder import Remarks
+from server.library.record import Remarks
 
 
 def test_writers_at_once_leave_the_whole_content_of_one(tmp_path):

@@ -9,7 +9,8 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from server.library import retention
-from server.library.folder import CLAIM_NAME, Note, Remarks
+from server.library.folder import CLAIM_NAME
+from server.library.record import Note, Remarks
 from server.library.retention import expired, keep_removing, remove_expired
 from server.library.runs import RunStore, new_record
 from sim.claim import Claim

@@ -12,8 +12,9 @@ from datetime import datetime, timedelta, timezone
 import pytest
 
 from server.library import index as run_index
-from server.library.folder import RECORD_NAME, Note, Remarks, write_record
+from server.library.folder import RECORD_NAME, write_record
 from server.library.index import FILE_NAME, RunIndex, RunQuery
+from server.library.record import Note, Remarks
 from server.library.runs import RunStore, new_record
 from sim.config import MissionConfig
 from sim.configurations import nested, revised

@@ -11,8 +11,9 @@ from mcap.reader import make_reader
 
 from server.errors import StoredUnreadable
 from server.files import replace_file
-from server.library.folder import CLAIM_NAME, LoggedEvent, read_record
+from server.library.folder import CLAIM_NAME, read_record
 from server.library.index import RunIndex
+from server.library.record import LoggedEvent
 from server.library.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
 from sim.claim import Claim, is_claimed

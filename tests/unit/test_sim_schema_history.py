@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.library.folder import RunRecord
+from server.library.record import RunRecord
 from sim import configurations
 from sim.capture.tick import QUANTITIES
 from sim.config import PARAMETERS, MissionConfig
