@@ -20,12 +20,12 @@ from becalm.studying import INTERRUPTED, show_progress
 from sim.capture.mission import prepare
 from sim.configurations import named_configuration
 from sim.errors import ConfigError
+from sim.reproduction.experiments import ABLATIONS, ablation_study, fly_row, fly_whole, impedance_of, tables_study
+from sim.reproduction.findings import Captures, Reproduction, findings, reproduction
 from sim.study.design import Study
 from sim.study.executors import local_workers
 from sim.study.export import TableFormat, export
-from sim.study.findings import Captures, Reproduction, findings, reproduction
 from sim.study.flight import Flight
-from sim.study.reproduction import ABLATIONS, ablation_study, fly_row, fly_whole, impedance_of, tables_study
 from sim.study.run import Row
 from sim.study.table import StudyTable, fingerprint
 from sim.tabular import csv_header, csv_rows

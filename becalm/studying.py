@@ -14,13 +14,13 @@ import click
 from server.studies.cluster import cluster_workers
 from sim.capture.mission import prepare
 from sim.errors import ConfigError
+from sim.reproduction.published import NAMED_STUDIES, Agreement, agreement, is_comparable
 from sim.study.cores import cores
 from sim.study.design import Study, altered, read_study
 from sim.study.executors import Workers, local_workers
 from sim.study.export import TableFormat, export
 from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time, in_words
-from sim.study.published import NAMED_STUDIES, Agreement, agreement, is_comparable
-from sim.study.shares import OutcomeShare, outcome_shares
+from sim.study.outcome_frequencies import OutcomeShare, outcome_shares
 from sim.study.summaries import MeasureSummary, measure_summaries
 from sim.study.table import StudyTable
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from benchmarks.simulation import tick_shares
 from sim.capture.mission import prepare
+from sim.reproduction.published import agreement, published_study
 from sim.study.cores import cores
 from sim.study.executors import fly_cells, local_workers
-from sim.study.published import agreement, published_study
 from sim.study.run import CellTask, Row, fly_cell
 
 FIGURE = 120.0

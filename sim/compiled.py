@@ -1,7 +1,7 @@
 """The one way that numeric code is compiled: numba, cached on disk, IEEE arithmetic (no fast-math).
 
 numba's own cache looks at the file of a function only, not at those of the functions that it calls; so the
-cache's folder is named by a digest of every source that compiled code comes from, and a change compiles anew.
+cache's folder is named by a digest of every source that compiled code comes from, and a change compiles again.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-_ABOVE = "study"
-"""The room that nothing compiled calls into: its own few functions numba looks at by itself."""
+_ABOVE = ("study", "reproduction")
+"""The rooms that nothing compiled calls into: their own few functions numba looks at by itself."""
 
 
 def cache_folder() -> Path:
@@ -36,7 +36,7 @@ def cache_folder() -> Path:
     """
     room = Path(__file__).parent
     digest = hashlib.sha256()
-    sources = [path for path in room.rglob("*.py") if path.relative_to(room).parts[0] != _ABOVE]
+    sources = [path for path in room.rglob("*.py") if path.relative_to(room).parts[0] not in _ABOVE]
     for path in sorted(sources):
         digest.update(path.relative_to(room).as_posix().encode() + b"\0" + path.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or _users_folder() or _temporary_folder()

@@ -16,9 +16,9 @@ from becalm.report.style import MARKS, Picture, look, picture
 from server.versions import becalm_version
 from sim.configurations import named_configuration
 from sim.method.published.memory import Activity
+from sim.reproduction.experiments import Example, Flown, Origin, impedance_of
+from sim.reproduction.findings import Reproduction, authors_run
 from sim.snapshot import OutcomeClass
-from sim.study.findings import Reproduction, authors_run
-from sim.study.reproduction import Example, Flown, Origin, impedance_of
 
 _APART = 0.12  # two instants of a sequence closer than this are one [s]
 _FRAMES = 8

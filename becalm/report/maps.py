@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from becalm.report.style import GREY, INK, MARKS, PALE, figure
+from sim.reproduction.experiments import impedance_of
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes
 from sim.snapshot import OutcomeClass
 from sim.study.capture_metrics import Stage
-from sim.study.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes
-from sim.study.reproduction import impedance_of
 from sim.study.run import Row
 
 _SIGNS = {Stage.TOUCH: "T", Stage.CLOSING: "C", Stage.AFTER_CLOSURE: "A"}

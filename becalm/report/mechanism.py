@@ -12,11 +12,11 @@ from matplotlib.lines import Line2D
 
 from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
 from sim.config import MissionConfig
+from sim.reproduction.experiments import Origin
+from sim.reproduction.first_touch import TouchState, effective_mass, lever_of, restitution
+from sim.reproduction.first_touch_prediction import Foretold, quality
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS
 from sim.snapshot import OutcomeClass
-from sim.study.first_touch import TouchState, effective_mass, lever_of, restitution
-from sim.study.foretelling import Foretold, quality
-from sim.study.published import DAMPING, MASS, STIFFNESS
-from sim.study.reproduction import Origin
 
 _ORIGINS = {Origin.PRINTED: LEFT, Origin.UNSTATED: RIGHT, Origin.PLANT: GREY}
 _LINES: tuple[Literal[":", "-.", "--", "-"], ...] = (":", "-.", "--", "-")

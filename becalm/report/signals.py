@@ -15,8 +15,8 @@ from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
 from sim.control.phases import Phase
 from sim.method.published.memory import Activity
-from sim.study.findings import hand_forces
-from sim.study.reproduction import Flown
+from sim.reproduction.experiments import Flown
+from sim.reproduction.findings import hand_forces
 
 _BINS = 900  # points of a drawn curve; of each bin the extreme is kept, so that no peak is lost
 _SHADES = {Phase.DETUMBLING: "#EAF2F8", Phase.CAGING: "#FBF1E3", Phase.HOLDING: "#EAF5EF"}

@@ -23,11 +23,7 @@ from server.errors import StudyNotFound
 from server.library.changes import display_name
 from server.library.runs import new_record
 from server.studies.store import StudyRecord, StudyStatus, StudyStore
-from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
-from sim.study.design import Study, altered, configured, study_of
-from sim.study.export import TableFormat, export
-from sim.study.flight import MANY_CELLS, Progress
-from sim.study.published import (
+from sim.reproduction.published import (
     DAMPING,
     MASS,
     STIFFNESS,
@@ -37,7 +33,11 @@ from sim.study.published import (
     named_study,
     published_classes,
 )
-from sim.study.shares import OutcomeShare, outcome_shares
+from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
+from sim.study.design import Study, altered, configured, study_of
+from sim.study.export import TableFormat, export
+from sim.study.flight import MANY_CELLS, Progress
+from sim.study.outcome_frequencies import OutcomeShare, outcome_shares
 from sim.study.summaries import SUMMARIZED, MeasureSummary, measure_summaries
 
 router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422))

@@ -11,8 +11,8 @@ from pydantic import Field
 
 from sim.snapshot import Published
 from sim.study.design import Study
+from sim.study.outcome_frequencies import CONFIDENCE, is_sample
 from sim.study.run import MEASURES, Row
-from sim.study.shares import CONFIDENCE, is_sample
 
 HIGH = 0.95
 """The quantile that is told besides the median: what one case in twenty exceeds."""

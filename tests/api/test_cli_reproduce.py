@@ -14,8 +14,8 @@ import pytest
 from click.testing import CliRunner
 
 from becalm.cli import main
-from sim.study.published import agreement, published_classes
-from sim.study.reproduction import impedance_of
+from sim.reproduction.experiments import impedance_of
+from sim.reproduction.published import agreement, published_classes
 
 COARSE = ("--every", "10", "--workers", "2", "--json")
 SECTIONS = ("answer", "figures", "maps", "truth", "mechanism", "failures", "printed", "method")

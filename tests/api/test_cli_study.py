@@ -15,9 +15,9 @@ from click.testing import CliRunner
 
 from becalm import studying
 from becalm.cli import main
+from sim.reproduction.published import published_study
 from sim.snapshot import OutcomeClass
 from sim.study import flight
-from sim.study.published import published_study
 from sim.study.run import CellTask, fly_cell
 
 MASS, SPIN = "published.impedance.mass", "target.initial_spin"

@@ -1,6 +1,6 @@
 """What the paper and its authors' own simulator give, against ours (docs/method.md; figures of issue 2).
 
-`sim/study/data/authors_direct_caging.csv` is a whole run of direct caging by the authors' public simulator
+`sim/reproduction/data/authors_direct_caging.csv` is a whole run of direct caging by the authors' public simulator
 (Space-Robotics-Laboratory, MATLAB_space_debri_capturing_sim, MIT licence, commit 053c3e2), for K. Uchida,
 K. Uno, K. Yoshida, "Space Debris Reliable Capturing by a Dual-Arm Orbital Robot: Detumbling and Caging", iSpaRo 2024.
 """
@@ -14,7 +14,7 @@ import pytest
 
 from sim.snapshot import OutcomeClass
 
-AUTHORS = Path(__file__).parents[2] / "sim" / "study" / "data" / "authors_direct_caging.csv"
+AUTHORS = Path(__file__).parents[2] / "sim" / "reproduction" / "data" / "authors_direct_caging.csv"
 
 FORCE = 0.10
 """Relative: figure of the issue for the first touch and the direct run."""

@@ -8,9 +8,9 @@ from itertools import islice
 
 import pytest
 
+from sim.reproduction.published import Impedance, agreement, published_classes, published_study
 from sim.study.design import study_of
 from sim.study.executors import LocalProcesses, fly_cells
-from sim.study.published import Impedance, agreement, published_classes, published_study
 from sim.study.run import CellTask, fly_cell
 from sim.study.table import StudyTable
 

@@ -182,7 +182,7 @@ def renamed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree.change(PUBLISHED, r"^    impedance: ImpedanceConfig", "    compliance: ImpedanceConfig")
     tree.change(PUBLISHED, r"^    absorb_time: ", "    settling_time: ")
     tree.change("sim/configurations.py", r"impedance=ImpedanceConfig", "compliance=ImpedanceConfig")
-    tree.change("sim/study/published.py", r'"published\.impedance\.', '"published.compliance.')
+    tree.change("sim/reproduction/published.py", r'"published\.impedance\.', '"published.compliance.')
     tree.note(
         "PARAMETER_CHANGES",
         'renamed("published.impedance", "published.compliance")',
@@ -204,7 +204,7 @@ def removed(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Any:
     tree.change(PUBLISHED, r"^    damping: Number = parameter\(\n        1\.5.*\n    \)\n", "")
     tree.change(PUBLISHED, r"^    absorb_time: Number = parameter\((\n        .*)+\n    \)\n", "")
     tree.change("sim/configurations.py", r", damping=[0-9.]+", "")
-    tree.change("sim/study/published.py", r"^ +DAMPING: .*\n", "")
+    tree.change("sim/reproduction/published.py", r"^ +DAMPING: .*\n", "")
     tree.note(
         "PARAMETER_CHANGES",
         'removed("published.impedance.damping", "hands have no damping")',

@@ -8,9 +8,9 @@ import pytest
 
 from sim.config import Engine, value_at
 from sim.errors import ConfigError
+from sim.reproduction.experiments import tables_study
+from sim.reproduction.published import published_study
 from sim.study.design import Study, configured, flattened, read_study, study_of
-from sim.study.published import published_study
-from sim.study.reproduction import tables_study
 
 MASS, DAMPING, SPIN = "published.impedance.mass", "published.impedance.damping", "target.initial_spin"
 GRID = {MASS: [0.05, 0.1], DAMPING: [0.0, 1.5, 3.0]}

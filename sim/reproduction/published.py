@@ -95,7 +95,7 @@ class Agreement(Published):
 @cache
 def published_classes() -> Mapping[Impedance, str]:
     """The class that the paper prints for each cell of its two tables at hand."""
-    text = files("sim.study").joinpath("data", "published_tables.json").read_text(encoding="utf-8")
+    text = files("sim.reproduction").joinpath("data", "published_tables.json").read_text(encoding="utf-8")
     tables = json.loads(text)
     return {
         Impedance(float(mass), float(damping), float(stiffness)): printed

@@ -13,8 +13,8 @@ from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
-from sim.snapshot import Published
-from sim.study.first_touch import (
+from sim.reproduction.experiments import succeeded
+from sim.reproduction.first_touch import (
     Residual,
     TouchState,
     collision,
@@ -23,8 +23,8 @@ from sim.study.first_touch import (
     lever_of,
     planar_touch,
 )
-from sim.study.published import DAMPING, MASS, STIFFNESS, cohens_kappa
-from sim.study.reproduction import succeeded
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS, cohens_kappa
+from sim.snapshot import Published
 from sim.study.run import Row
 
 

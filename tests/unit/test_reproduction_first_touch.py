@@ -9,7 +9,7 @@ import pytest
 
 from sim.config import ContactConfig, MissionConfig
 from sim.method.published.parameters import ImpedanceConfig, PublishedConfig
-from sim.study.first_touch import (
+from sim.reproduction.first_touch import (
     TouchState,
     collision,
     damping_ratio,

@@ -12,9 +12,7 @@ from sim.capture.events import Event, Ticks
 from sim.capture.run import run_capture
 from sim.config import MissionConfig
 from sim.configurations import named_configuration
-from sim.snapshot import Outcome, OutcomeClass
-from sim.study.design import ENGINE, Study, configured, study_of
-from sim.study.published import (
+from sim.reproduction.published import (
     DAMPING,
     MASS,
     REPRODUCTION_ENGINE,
@@ -23,6 +21,8 @@ from sim.study.published import (
     published_classes,
     published_study,
 )
+from sim.snapshot import Outcome, OutcomeClass
+from sim.study.design import ENGINE, Study, configured, study_of
 from sim.study.run import Row
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sim.study.design import study_of
-from sim.study.shares import outcome_shares
+from sim.study.outcome_frequencies import outcome_shares
 
 SAMPLES = {"count": 10, "over": {"target.mass": {"from": 1.0, "to": 2.0}}}
 ROWS = [{"outcome": "ejection"}] * 3 + [{"outcome": "base_collision"}] * 7 + [{"outcome": None}]

@@ -10,11 +10,11 @@ import pytest
 from sim.capture.tick import TICK
 from sim.config import PARAMETERS, MissionConfig
 from sim.configurations import named_configuration
-from sim.study.findings import authors_run, hand_forces, overall
-from sim.study.first_touch import Residual
-from sim.study.foretelling import Foretold, quality, rule, touch_state
-from sim.study.published import DAMPING, MASS, STIFFNESS, published_classes, published_study
-from sim.study.reproduction import ABLATIONS, ablation_study, examples, succeeded, tables_study
+from sim.reproduction.experiments import ABLATIONS, ablation_study, examples, succeeded, tables_study
+from sim.reproduction.findings import authors_run, hand_forces, overall
+from sim.reproduction.first_touch import Residual
+from sim.reproduction.first_touch_prediction import Foretold, quality, rule, touch_state
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS, published_classes, published_study
 
 
 def row(cell: int = 0, *, mass=0.1, damping=1.5, stiffness=10.0, outcome="caged_force_reduced", **more):

@@ -9,9 +9,7 @@ import pytest
 from sim.config import value_at
 from sim.configurations import named_configuration
 from sim.errors import ConfigError
-from sim.snapshot import OutcomeClass
-from sim.study.design import study_of
-from sim.study.published import (
+from sim.reproduction.published import (
     DAMPING,
     MASS,
     STIFFNESS,
@@ -23,6 +21,8 @@ from sim.study.published import (
     published_classes,
     published_study,
 )
+from sim.snapshot import OutcomeClass
+from sim.study.design import study_of
 
 
 def rows_as_printed():

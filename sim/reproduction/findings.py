@@ -14,11 +14,11 @@ import numpy as np
 from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
+from sim.reproduction.experiments import Ablation, Example, Flown, examples, impedance_of, published_config, succeeded
+from sim.reproduction.first_touch import TouchState, effective_mass, lever_of
+from sim.reproduction.first_touch_prediction import Foretold, foretold, quality, touch_state
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS, agreement, cohens_kappa, published_classes
 from sim.study.capture_metrics import Stage
-from sim.study.first_touch import TouchState, effective_mass, lever_of
-from sim.study.foretelling import Foretold, foretold, quality, touch_state
-from sim.study.published import DAMPING, MASS, STIFFNESS, agreement, cohens_kappa, published_classes
-from sim.study.reproduction import Ablation, Example, Flown, examples, impedance_of, published_config, succeeded
 from sim.study.run import Row
 
 AUTHORS_AGREEMENT = {"agreeing": 481, "cells": 484}
@@ -71,7 +71,7 @@ def authors_run() -> Mapping[str, FloatArray]:
 
     From their public simulator (Space-Robotics-Laboratory, MATLAB_space_debri_capturing_sim, MIT licence).
     """
-    text = files("sim.study").joinpath("data", "authors_direct_caging.csv").read_text(encoding="utf-8")
+    text = files("sim.reproduction").joinpath("data", "authors_direct_caging.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
