@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 
-from .conftest import ARTIFACTS, choose, new_context, running
+from .conftest import ARTIFACTS, choose, new_context, press, running
 
 pytestmark = pytest.mark.browser
 
@@ -39,7 +39,7 @@ def test_control_is_taken_by_commanding_handed_over_and_taken_back(operators: tu
     ana, ben = operators
     capture = ben.get_by_role("button", name="Capture", exact=True)
     expect(ana.get_by_role("button", name="Nobody in control")).to_be_visible()
-    ana.get_by_role("button", name="Pause", exact=True).click()
+    press(ana, "Pause")
     expect(ana.get_by_role("button", name="You are in control")).to_be_visible()
     expect(ben.get_by_role("button", name="ana is in control")).to_be_visible()
     expect(capture).to_have_attribute("aria-disabled", "true")
