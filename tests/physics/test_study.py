@@ -8,8 +8,9 @@ from itertools import islice
 
 import pytest
 
+from sim.config import Engine
 from sim.reproduction.published import Impedance, agreement, published_classes, published_study
-from sim.study.design import study_of
+from sim.study.design import altered, study_of
 from sim.study.executors import LocalProcesses, fly_cells
 from sim.study.run import CellTask, fly_cell
 from sim.study.table import StudyTable
@@ -94,12 +95,13 @@ def test_a_study_that_was_cut_off_goes_on_where_it_was(serial, tmp_path):
         assert list(table.rows()) == serial
 
 
-def test_cells_all_over_the_published_tables_agree():
+@pytest.mark.parametrize("engine", list(Engine))
+def test_cells_all_over_the_published_tables_agree(engine):
     printed = published_classes()
-    places = [
-        cell.index for cell in published_study().cells() if Impedance(*map(float, cell.values.values())) in printed
-    ]
-    rows = [fly_cell(task) for task in tasks(published_study(), places[::SAMPLE_STEP])]
+    study = altered(published_study(), {"simulation": {"engine": engine.value}}, None)
+    places = [cell.index for cell in study.cells() if Impedance(*map(float, cell.values.values())) in printed]
+    rows = [fly_cell(task) for task in tasks(study, places[::SAMPLE_STEP])]
+    assert {row["engine"] for row in rows} == {engine.value}
     tables = agreement(rows)
     assert sum(table.cells for table in tables) == 12
     assert sum(table.agreeing for table in tables) >= SAMPLE_AGREEING
