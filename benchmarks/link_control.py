@@ -5,7 +5,7 @@
     python -m benchmarks.link_control --ideal                          perfect sensors, no drag, no tilt, no delay
 
 Both ends in one process and in virtual time: the plant on its air table, its sensors, the bytes of the wire, motion
-capture's delay, a command that holds from the next period on, and the console's perception and mission. Same seed,
+capture's delay, joint rates that hold from the next period on, and the console's perception and mission. Same seed,
 same numbers. What the clocks of two processes add is measured by benchmarks.link.
 """
 
@@ -76,12 +76,14 @@ class VirtualLink:
         self.state["tick"] += 1
         self.state["time"] = 1e-9 * self.state["tick"] * self._period
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """It arrives within this period and holds from the next on."""
-        self._coming = wire.decode_command(wire.encode_command(wire.JointCommand(1, "s.1", joint_rate))).rate
+        self._coming = wire.decode_joint_command(
+            wire.encode_joint_command(wire.JointCommand(1, "s.1", joint_rate))
+        ).rate
 
     def _advance(self) -> wire.JointSample:
-        self.truth.command(self._applied)
+        self.truth.apply_joint_rates(self._applied)
         truth = self.truth.state
         self._applied = self._coming
         self._cycle += 1

@@ -28,13 +28,13 @@ JOINT_NAMES = tuple(f"{arm}_joint_{number}" for arm in ARMS for number in (1, 2,
 HAND_FRAMES = tuple(f"{arm}_hand" for arm in ARMS)
 
 CONTROL_RATE = 200.0
-"""Of joint states, wrenches and commands [Hz]."""
+"""Of joint states, wrenches and joint commands [Hz]."""
 MOTION_CAPTURE_RATE = 100.0
 """Of poses and twists [Hz]."""
 MODE_RATE = 20.0
-"""Of the robot's mode, beside which it tells every change at once [Hz]."""
+"""Of the robot's mode, beside which it reports every change at once [Hz]."""
 DEADLINE = 0.1
-"""How old a heartbeat, a command or a stream may get before its receiver stops the robot, unless set otherwise [s]."""
+"""How old a heartbeat, joint command or stream may get before its receiver stops the robot, by default [s]."""
 
 
 class Sender(StrEnum):
@@ -148,7 +148,7 @@ JOINT_COMMAND = Channel(
     CONTROL_RATE,
     "(session)",
     Urgency.CONTROL,
-    "joint rates [rad/s] in `velocity`; header.stamp: that of the joint state which it answers (robot's clock)",
+    "commanded joint rates [rad/s] in `velocity`; header.stamp: of the joint state that it answers (robot's clock)",
     express=False,
 )
 HEARTBEAT = Channel(
@@ -176,13 +176,13 @@ CHANNELS = (*STREAMS, MODE, ACKNOWLEDGEMENT, HEARTBEAT_ECHO, JOINT_COMMAND, HEAR
 
 
 class RobotMode(StrEnum):
-    """What the robot does with commands."""
+    """What the robot does with joint commands."""
 
     WAITING = "waiting"
     """Nobody holds it; joint rates zero."""
     FOLLOWING = "following"
-    """It follows its session's commands."""
+    """It follows its session's joint commands."""
     HOLDING = "holding"
-    """Heartbeat or commands were late; joint rates ramped to zero, until a new session."""
+    """Heartbeat or joint commands were late; joint rates ramped to zero, until a new session."""
     STOPPED = "stopped"
     """A STOP came; joint rates zero, until a new session."""

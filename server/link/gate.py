@@ -1,8 +1,8 @@
-"""What the robot's end lets through: pure decisions about sessions, commands, heartbeats and STOP.
+"""What the robot's end lets through: pure decisions about sessions, joint commands, heartbeats and STOP.
 
 A robot follows one session at a time. What is old, out of order, beyond the limits or from another session is refused
-with the reason. A heartbeat or command that is late ends the session: joint rates ramp to zero and stay there until a
-new session is opened, so that nothing which waited in a queue while the link was broken is executed after it.
+with the reason. A heartbeat or joint command that is late ends the session: joint rates ramp to zero and stay there
+until a new session is opened, so that nothing which waited in a queue while the link was broken is executed after it.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ RAMP_TIME = 0.05
 """From full rates to zero, when the session is lost [s]."""
 AHEAD = 5_000_000
 """How far a stamp may lie in the receiver's future: no state has that one yet [ns]."""
-TOLD_NAME = 80
-"""Characters of a session in what the robot tells."""
+SHOWN_NAME = 80
+"""Characters of a session's name in what the robot reports."""
 AGES_KEPT = 400
-"""Command ages that percentiles are taken of: two seconds."""
+"""Ages of joint commands that percentiles are taken of: two seconds."""
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ class Limits(NamedTuple):
     joint_rate: float = 10.0
     """Largest joint rate that is followed [rad/s]."""
     deadline: float = DEADLINE
-    """How old a heartbeat or command may be [s]."""
+    """How old a heartbeat or joint command may be [s]."""
 
 
 class Permission(NamedTuple):
@@ -67,7 +67,7 @@ class Gate:
         self._given = np.zeros((2, 3))
         self._heard = 0
         self._heartbeat = 0
-        self._commanded = 0
+        self._joint_commanded = 0
         self._answered = 0
         self._opened = 0
         self._stopped = 0
@@ -75,8 +75,8 @@ class Gate:
     def open(self, call: RobotCall, now: int) -> Permission:
         """Give the robot to a session, unless another console holds it and is alive.
 
-        The request answers a joint state, as a command does: one that waited somewhere, or was sent before the last
-        STOP or the last session, is refused whoever sent it, and however its session is numbered.
+        The request answers a joint state, as a joint command does: one that waited somewhere, or was sent before the
+        last STOP or the last session, is refused whoever sent it, and however its session is numbered.
         """
         reason = self._fault_of_opening(call, now)
         if reason:
@@ -84,7 +84,7 @@ class Gate:
         if call.session == self.session:
             return Permission(True)  # once more: its acknowledgement was not heard yet
         self.session, self.mode, self.why = call.session, RobotMode.FOLLOWING, ""
-        self._heard, self._heartbeat, self._commanded = now, 0, now
+        self._heard, self._heartbeat, self._joint_commanded = now, 0, now
         self._opened = call.stamp
         self._wanted[:] = 0.0
         log.info("session %s holds the robot", call.session)
@@ -93,7 +93,7 @@ class Gate:
     def stop(self, call: RobotCall | None, now: int) -> Permission:
         """Joint rates zero; anyone may, also by a message that cannot be read."""
         session = call.session if call is not None else ""
-        self.mode, self.why = RobotMode.STOPPED, f"STOP from {printable(session, TOLD_NAME) or 'unknown'}"
+        self.mode, self.why = RobotMode.STOPPED, f"STOP from {printable(session, SHOWN_NAME) or 'unknown'}"
         self._stopped = now
         self._wanted[:] = self._given[:] = 0.0
         self._throttled_log.warning("stop", self.why, 1e-9 * now)
@@ -113,12 +113,12 @@ class Gate:
             return
         self._heartbeat, self._heard = call.stamp, now
 
-    def command(self, command: JointCommand, now: int, arrived: int | None = None) -> Permission:
+    def joint_command(self, command: JointCommand, now: int, arrived: int | None = None) -> Permission:
         """Follow these joint rates from now on, or refuse them; they arrived now, or were looked at later."""
         reason = self._fault_of(command, now)
         if reason:
             return self._refuse(command.session, reason, now)
-        self._answered, self._commanded = command.stamp, now
+        self._answered, self._joint_commanded = command.stamp, now
         self._wanted[:] = command.rate
         self.accepted += 1
         self._ages.append(1e-9 * ((now if arrived is None else arrived) - command.stamp))
@@ -135,17 +135,17 @@ class Gate:
         return self._given
 
     def check(self, now: int) -> None:
-        """Let the session go if its heartbeat or its commands are late."""
+        """Let the session go if its heartbeat or its joint commands are late."""
         if self.mode is not RobotMode.FOLLOWING:
             return
-        for what, since in (("heartbeat", self._heard), ("commands", self._commanded)):
+        for what, since in (("heartbeat", self._heard), ("joint commands", self._joint_commanded)):
             if now - since > self._deadline:
                 self._hold(f"no {what} for {1e-6 * (now - since):.0f} ms")
                 return
 
     @property
     def ages(self) -> tuple[float, float] | None:
-        """Median and 99 % quantile of the ages of the last commands when they arrived [s]."""
+        """Median and 99 % quantile of the ages of the last joint commands when they arrived [s]."""
         if not self._ages:
             return None
         median, most = np.quantile(np.array(self._ages), (0.5, 0.99)).tolist()
@@ -185,7 +185,7 @@ class Gate:
         return ""
 
     def _fault_of(self, command: JointCommand, now: int) -> str:
-        """Why a command cannot be followed; empty if it can."""
+        """Why a joint command cannot be followed; empty if it can."""
         if command.session != self.session or not self.session:
             return f"another session holds the robot ({self.session or 'none'})"
         if self.mode is not RobotMode.FOLLOWING:
@@ -214,7 +214,7 @@ class Gate:
 
     def _refuse(self, session: str, reason: str, now: int) -> Permission:
         self.refused += 1
-        who = printable(session, TOLD_NAME) or "unknown"
+        who = printable(session, SHOWN_NAME) or "unknown"
         self.last_refusal = f"{who}: {reason}"
         kind = re.sub(r"[-+.\d]+", "#", reason)
         self._throttled_log.warning(f"{who} {kind}", f"refused from {who}: {reason}", 1e-9 * now)

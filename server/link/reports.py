@@ -1,6 +1,6 @@
 """What the robot last reported of itself, and whether that was of the present session. Pure: no clock, no network.
 
-Reports are of low priority, so one may arrive after an acknowledgement that was sent after it. It then tells of the
+Reports are of low priority, so one may arrive after an acknowledgement that was sent after it. It then is about the
 session before; only what the robot stamped after it granted a session says anything about that session.
 """
 
@@ -20,7 +20,7 @@ class RobotReports:
         self.latest: StatusReport | None = None
         self.at = 0.0
         """When it came."""
-        self.command_age = WorstOf()
+        self.joint_command_age = WorstOf()
         """99 % quantiles, each of the two seconds before."""
         self._granted = 0
 
@@ -31,9 +31,9 @@ class RobotReports:
             return False
         followed = self.value("commands")
         self.latest, self.at = report, at
-        quantiles = self.command_ages
-        if quantiles is not None and self.value("commands") != followed:  # while none come, it tells the last ones
-            self.command_age.note(quantiles[1], at)
+        quantiles = self.joint_command_ages
+        if quantiles is not None and self.value("commands") != followed:  # while none come, it repeats the last ones
+            self.joint_command_age.note(quantiles[1], at)
         return True
 
     def granted(self, stamp: int) -> None:
@@ -53,8 +53,8 @@ class RobotReports:
         return RobotMode(latest.message) if latest is not None and latest.message in list(RobotMode) else None
 
     @property
-    def command_ages(self) -> tuple[float, float] | None:
-        """Median and 99 % quantile [s] of the commands that the robot took last; None if it has not taken any."""
+    def joint_command_ages(self) -> tuple[float, float] | None:
+        """Median and 99 % quantile [s] of the joint commands that the robot took last; None if it has not taken any."""
         median, most = (parse_time(self.value(f"command_age_{each}")) for each in ("p50", "p99"))
         return None if median is None or most is None else (median, most)
 
@@ -64,10 +64,10 @@ class RobotReports:
 
 
 def parse_count(text: str) -> int | None:
-    """A count or a stamp as a report tells it, at most 19 digits; None if it is none."""
+    """A count or a stamp as a report gives it, at most 19 digits; None if it is none."""
     return int(text) if re.fullmatch(r"[0-9]{1,19}", text) else None
 
 
 def parse_time(text: str) -> float | None:
-    """A time [s] as a report tells it; None if it is none."""
+    """A time [s] as a report gives it; None if it is none."""
     return float(text) if re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,12})?", text) else None

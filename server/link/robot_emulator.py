@@ -38,7 +38,7 @@ WAITING = 32
 """Messages of one key that wait for the thread, the oldest go first: more than a deadline's, and few enough to be read
 within a control period. Each key has its own, so that none crowds out a STOP."""
 OBEYED = (contract.STOP, contract.HEARTBEAT, contract.OPEN, contract.TARE, contract.JOINT_COMMAND)
-"""In this order: STOP before everything else, who holds the robot before what is commanded."""
+"""In this order: STOP before everything else, who holds the robot before joint commands."""
 GIVE_UP = 0.25
 """Lateness beyond which periods are made up for without a word [s]."""
 MADE_UP = 5.0
@@ -56,7 +56,7 @@ class RobotSettings(BaseModel):
     config: MissionConfig
     name: str = Field("emulator", pattern=r"^[A-Za-z0-9_-]{1,64}$", description="Of the robot")
     seed: int = Field(0, ge=0, description="Of every random number")
-    deadline: float = Field(contract.DEADLINE, gt=0.01, le=10, description="Of heartbeat and commands [s]")
+    deadline: float = Field(contract.DEADLINE, gt=0.01, le=10, description="Of heartbeat and joint commands [s]")
     clock_offset: float = Field(0.0, ge=-1e6, le=1e6, description="How far its clock is ahead of the machine's [s]")
     imperfections: Imperfections = Imperfections()
 
@@ -76,7 +76,7 @@ class RobotStatus(BaseModel):
     time: float = Field(description="Simulated time [s]")
     boots: int = Field(description="1 at first, one more after each restart")
     seed: int
-    commands: int = Field(description="Followed since the boot")
+    commands: int = Field(description="Joint commands followed since the boot")
     refused: int = Field(description="Refused since the boot")
     last_refusal: str
     lateness: float = Field(description="Worst of a cycle in the last second [s]")
@@ -193,7 +193,7 @@ class _Robot:
     def _warm_up(self, config: MissionConfig, table: AirTable) -> None:
         """Load all compiled code before the schedule begins."""
         plant = simulated_plant(config, table)
-        plant.command(np.zeros((2, 3)))
+        plant.apply_joint_rates(np.zeros((2, 3)))
         state = plant.state
         chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
 
@@ -264,7 +264,7 @@ class _Robot:
 
     def _move(self, now: int) -> None:
         """One control period of the plant; then the rates for the next one."""
-        self._plant.command(self._driven(self._applied))
+        self._plant.apply_joint_rates(self._driven(self._applied))
         self._applied = self._gate.rates(now, self._period).copy()
 
     def _driven(self, rates: FloatArray) -> FloatArray:
@@ -306,7 +306,7 @@ class _Robot:
     def _obey(self, channel: Channel, message: _Message) -> None:
         now = self._clock.now()
         if channel is contract.JOINT_COMMAND:
-            self._gate.command(wire.decode_command(message.payload), now, message.arrived)
+            self._gate.joint_command(wire.decode_joint_command(message.payload), now, message.arrived)
             return
         call = wire.decode_call(message.payload)
         if channel is contract.HEARTBEAT:

@@ -1,7 +1,7 @@
 """The console's end of the link, from the service's start to its end: what arrives, what is sent, how well it goes.
 
 Missions come and go on it (`server.link.zenoh_plant`). zenoh's threads bring messages, the mission thread waits for
-joint states and sends commands, any thread may send STOP. A ring of one holds what arrives: only the newest counts.
+joint states and sends joint rates, any thread may send STOP. A ring of one holds what arrives: only the newest counts.
 """
 
 from __future__ import annotations
@@ -190,10 +190,10 @@ class RobotLink:
             self._change.wait_for(lambda: self.stop_acknowledged_after is not None, timeout)
             return self.stop_acknowledged_after
 
-    def command(self, stamp: int, rate: FloatArray) -> None:
+    def send_joint_rates(self, stamp: int, rate: FloatArray) -> None:
         """Send joint rates that answer the joint state of that stamp, and a heartbeat."""
-        self._send(contract.JOINT_COMMAND, wire.encode_command(JointCommand(stamp, self.session, rate)))
-        self.heartbeat()  # with which the command is sent
+        self._send(contract.JOINT_COMMAND, wire.encode_joint_command(JointCommand(stamp, self.session, rate)))
+        self.heartbeat()  # with which they are sent
 
     def heartbeat(self) -> None:
         """Tell the robot that its session's mission thread is alive."""
@@ -278,7 +278,7 @@ class RobotLink:
         name, sent = topic_of(channel), set[int]()
         until = time.monotonic() + ANSWER_TIME
         while time.monotonic() < until:
-            # It answers a joint state, as a command does: the robot judges by its own clock whether it is of now.
+            # It answers a joint state, as a joint command does: the robot judges by its own clock whether it is of now.
             stamp = self.streams[contract.JOINT_STATES.key].latest
             sent.add(stamp)
             self._send(channel, wire.encode_call(RobotCall(stamp, session)))

@@ -65,15 +65,15 @@ class RobotReport(Published):
 
     age: float = Field(description="Since it did [s]")
     mode: Literal["waiting", "following", "holding", "stopped"] | None = Field(
-        description="waiting: nobody holds it; following: commands of its session; holding: heartbeat or commands were "
-        "late; stopped: a STOP came; null: a word that the contract does not know"
+        description="waiting: nobody holds it; following: joint commands of its session; holding: heartbeat or joint "
+        "commands were late; stopped: a STOP came; null: a word that the contract does not know"
     )
     why: str = Field(description="Of that mode; empty while it follows")
     contract: str = Field(description="Version that it speaks")
     session: str = Field(description="Which it follows; empty: none yet")
     tared: bool = Field(description="Whether its wrist sensors have been tared since it was started")
-    commands: int = Field(description="That it followed")
-    refused: int = Field(description="Commands and requests that it refused, whoever sent them")
+    commands: int = Field(description="Joint commands that it followed")
+    refused: int = Field(description="Joint commands and requests that it refused, whoever sent them")
     last_refusal: str = Field(description="Who and why; empty: none yet")
 
 
@@ -112,7 +112,7 @@ class LinkStatus(Published):
     clock_offset: float | None = Field(description="Robot's clock less console's [s]; null before a round trip")
     round_trip: Quantiles | None = Field(description="Of a heartbeat to the robot and back")
     command_age: Quantiles | None = Field(
-        description="From the joint state that a command answers to the command's arrival at the robot"
+        description="From the joint state that a joint command answers to its arrival at the robot"
     )
     latency: tuple[LatencyPoint, ...] = Field(description="Of the last minute, the oldest first")
     stop: StopStatus | None = Field(description="Null: none was sent")
@@ -251,12 +251,12 @@ def _round_trip(link: RobotLink, now: float) -> Quantiles | None:
 
 
 def _command_age(link: RobotLink) -> Quantiles | None:
-    quantiles = link.reports.command_ages
+    quantiles = link.reports.joint_command_ages
     return None if quantiles is None else Quantiles(p50=quantiles[0], p99=quantiles[1])
 
 
 def _latency(link: RobotLink, now: float) -> tuple[LatencyPoint, ...]:
-    trips, ages = link.other_clock.worst.ago(now), link.reports.command_age.ago(now)
+    trips, ages = link.other_clock.worst.ago(now), link.reports.joint_command_age.ago(now)
     return tuple(
         LatencyPoint(ago=step * HISTORY_STEP, round_trip=trips.get(step), command_age=ages.get(step))
         for step in range(max([*trips, *ages], default=-1), -1, -1)

@@ -51,7 +51,7 @@ class JointSample(NamedTuple):
 
 
 class JointCommand(NamedTuple):
-    """Joint rates to command [rad/s], shape (2, 3)."""
+    """Commanded joint rates [rad/s], shape (2, 3)."""
 
     stamp: int
     """Of the joint state that it answers, robot's clock [ns]."""
@@ -119,12 +119,12 @@ def decode_joints(payload: bytes) -> JointSample:
     return JointSample(_stamp(message.header), angle, rate, _identity(message.header.frame_id, "header.frame_id"))
 
 
-def encode_command(command: JointCommand) -> bytes:
+def encode_joint_command(command: JointCommand) -> bytes:
     """As `sensor_msgs/JointState` with velocities only."""
     return _joint_state(_header(command.stamp, command.session), _EMPTY, command.rate.ravel())
 
 
-def decode_command(payload: bytes) -> JointCommand:
+def decode_joint_command(payload: bytes) -> JointCommand:
     """From `sensor_msgs/JointState`, the joints in any order.
 
     Raises:

@@ -1,6 +1,6 @@
 """The robot at the other end of the link as a `Plant`: one mission's session on it.
 
-Each tick waits for the next joint state and sends the command that answers it at once. Whatever makes the robot
+Each tick waits for the next joint state and sends the joint rates that answer it at once. Whatever makes the robot
 unfit to be flown raises `LinkLost`, after a STOP to it; the session is not taken up again. A new mission, which an
 operator asks for, opens a new one, so nothing that was sent for this one is executed later.
 """
@@ -27,11 +27,11 @@ from sim.plant.plant import PLANT_STATE
 from sim.record import Record
 
 LAG_LIMIT = 0.08
-"""How far a joint may fall behind its commands [rad]."""
+"""How far a joint may fall behind its commanded motion [rad]."""
 JUMP = 0.05
 """Farther than this beyond its commanded motion, a joint has jumped [rad]."""
-COMMANDS_UNDER_WAY = 4
-"""Commands of which any may be in force: a joint follows if it moves between the least and the most."""
+RATES_UNDER_WAY = 4
+"""Commanded joint rates of which any may be in force: a joint follows if it moves between the least and the most."""
 BEGIN_TIME = 10.0
 """How long the robot is held for a mission that has not begun to fly it [s]."""
 LAG_TIME = 0.6
@@ -72,7 +72,7 @@ class ZenohPlant:
         self._state: Record = np.zeros(1, PLANT_STATE)[0]
         self._state["tick"] = -1
         self._lag = np.zeros((2, 3))
-        self._recent_commands: deque[FloatArray] = deque(maxlen=COMMANDS_UNDER_WAY)
+        self._recent_rates: deque[FloatArray] = deque(maxlen=RATES_UNDER_WAY)
         self._stopped = False
         link.open_session()
         self._first: int | None = None
@@ -95,7 +95,7 @@ class ZenohPlant:
 
     @property
     def next_tick(self) -> int:
-        """The tick after the last one, which has been observed and commanded already."""
+        """The tick after the last one, which has been observed and answered already."""
         return int(self._state["tick"]) + 1
 
     def observe(self) -> None:
@@ -122,16 +122,16 @@ class ZenohPlant:
         self._last, self._angle = joints.stamp, joints.angle
         link.write_state(joints, self._state)
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Send joint rates [rad/s], shape (2, 3), that answer the state last observed."""
         if self._stopped:
             self._link.heartbeat()
             return
-        self._link.command(self._last, joint_rate)
-        self._recent_commands.append(joint_rate.copy())
+        self._link.send_joint_rates(self._last, joint_rate)
+        self._recent_rates.append(joint_rate.copy())
 
     def stop(self) -> None:
-        """Tell the robot to stop; nothing is commanded any more in this session."""
+        """Send joint rates no more in this session, but heartbeats."""
         self._stopped = True
 
     def require_held(self, span: float) -> None:
@@ -182,7 +182,7 @@ class ZenohPlant:
         """Whether a joint is where it cannot have come to since the last state."""
         moved = np.abs(joints.angle - self._angle)
         worst = int(moved.argmax())
-        fastest = max((float(np.abs(rate).max()) for rate in self._recent_commands), default=0.0)
+        fastest = max((float(np.abs(rate).max()) for rate in self._recent_rates), default=0.0)
         reach = JUMP + 1e-9 * (joints.stamp - self._last) * fastest
         if moved.flat[worst] <= reach:
             return None
@@ -203,10 +203,10 @@ class ZenohPlant:
 
     def _lagging(self, joints: JointSample) -> Trouble | None:
         """Whether a joint does not follow its commanded rate."""
-        if self._stopping or not self._recent_commands:
+        if self._stopping or not self._recent_rates:
             return None
         dt = 1e-9 * (joints.stamp - self._last)
-        moved, commanded = joints.angle - self._angle, dt * np.array(self._recent_commands)
+        moved, commanded = joints.angle - self._angle, dt * np.array(self._recent_rates)
         self._lag = (
             self._lag * math.exp(-dt / LAG_TIME) + np.clip(moved, commanded.min(axis=0), commanded.max(axis=0)) - moved
         )
@@ -235,7 +235,7 @@ class ZenohPlant:
                 cause = trouble.cause if trouble is not None else Cause.NO_ANSWER
                 raise LinkLost(f"the robot was lost after {since}{why}", cause=cause, tip="reset to try again")
             self._last, self._angle = joints.stamp, joints.angle
-            link.command(joints.stamp, np.zeros((2, 3)))
+            link.send_joint_rates(joints.stamp, np.zeros((2, 3)))
             if enough():
                 return joints
 

@@ -356,7 +356,7 @@ class Mission:
                     self._known,
                     rows[place],
                 )
-                plant.command(self._memory["commanded_joint_rate"])
+                plant.apply_joint_rates(self._memory["commanded_joint_rate"])
             except PlantError as error:
                 self._fault = error
                 return place

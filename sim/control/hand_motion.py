@@ -28,10 +28,10 @@ _DAMPED = code_of(SingularityHandling.DAMPED)
 
 
 @compiled
-def command_hands(
+def command_hand_twists(
     memory: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain, velocity: FloatArray, arm: int
 ) -> None:
-    """Joint rates that give the hands these velocities, shape (2, 3), on the free-flying base (eq. 2).
+    """Command the joint rates that give the hands these velocities, shape (2, 3), on the free-flying base (eq. 2).
 
     With one `arm` in place of `BOTH_ARMS` only its hand is asked for, and the least rates of all six joints do it.
     """
@@ -45,7 +45,7 @@ def command_hands(
         for k in range(3):
             wanted[row] -= model.momentum_map[first + row, k] * base_momentum[k]
     jacobian = model.generalized_jacobian[first : first + rows, : 2 * JOINTS]
-    command_rates(memory, parameters, joint_rates(jacobian, wanted, _damping(parameters, links)))
+    command_joint_rates(memory, parameters, joint_rates(jacobian, wanted, _damping(parameters, links)))
 
 
 @compiled
@@ -113,8 +113,8 @@ def hand_twists(state: Record, links: Chain) -> FloatArray:
 
 
 @compiled
-def command_rates(memory: Record, parameters: Record, rates: FloatArray) -> None:
-    """The joint rates, shape (6,), within their bound: all are scaled together, so that the hand keeps its course."""
+def command_joint_rates(memory: Record, parameters: Record, rates: FloatArray) -> None:
+    """Command joint rates, shape (6,), within their bound: all scaled together, so that a hand keeps its course."""
     limit, largest = parameters.control.rates.joint_rate_limit, 0.0
     finite = True
     for rate in rates:

@@ -25,7 +25,7 @@ from numba.extending import overload
 
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
-from sim.control.hand_motion import NO_HANDS, command_hands, hold_joints
+from sim.control.hand_motion import NO_HANDS, command_hand_twists, hold_joints
 from sim.control.memory import NO_PLAN
 from sim.control.phases import AT_REST, Command, Phase, Verdict
 from sim.control.phases import Sequence as MissionSequence
@@ -228,4 +228,4 @@ def decide(
     if arm == NO_HANDS:
         hold_joints(memory, links.hand_pose)
     else:
-        command_hands(memory, parameters, robot, state, links, velocity, arm)
+        command_hand_twists(memory, parameters, robot, state, links, velocity, arm)

@@ -45,7 +45,7 @@ PlantHandle = Any
 
 
 class Plant(Protocol):
-    """Anything that can be flown, tick by tick: observe, decide, command."""
+    """Anything that can be flown, tick by tick: observe, decide, apply joint rates."""
 
     @property
     def state(self) -> Record:
@@ -71,7 +71,7 @@ class Plant(Protocol):
         """
         ...
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Apply joint rates [rad/s], shape (2, 3), for one control period; a plant in real time does not wait for it.
 
         Raises:

@@ -136,9 +136,9 @@ class PymunkPlant:
         return int(self.state["tick"])
 
     def observe(self) -> None:
-        """Nothing to wait for: the state is that after the last command."""
+        """Nothing to wait for: the state is that at the end of the last control period."""
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Step through one control period under joint rates [rad/s], shape (2, 3).
 
         Raises:
@@ -367,9 +367,9 @@ def _hand_pose(robot: RobotModel, body_pose: FloatArray) -> FloatArray:
 def _drive_servos(
     handle: PymunkHandle, parameters: Record, joint_rate: FloatArray, state: Record, touching: bool
 ) -> None:
-    """Motor rates at the end of the step: a first-order lag to the command, giving way to contact wrenches.
+    """Motor rates at the end of the step: a first-order lag to those commanded, giving way to contact wrenches.
 
-    d(rate)/dt = (command - rate) / T + H*^-1 J*^T F, exact over the step for a held command and force.
+    d(rate)/dt = (commanded - rate) / T + H*^-1 J*^T F, exact over the step for held commanded rates and forces.
     """
     time_constant, dt = parameters.robot.servo.time_constant, parameters.simulation.time_step
     decay = math.exp(-dt / time_constant) if time_constant > 0.0 else 0.0
@@ -379,9 +379,9 @@ def _drive_servos(
     for arm in range(2):
         for link in range(LINKS):
             driven = link < JOINTS
-            command = joint_rate[arm, link] if driven else 0.0
+            commanded = joint_rate[arm, link] if driven else 0.0
             present = state.joint_rate[arm, link] if driven else state.mount_rate[arm]
-            settled = command + given_way[freedom(arm, link) - 3]
+            settled = commanded + given_way[freedom(arm, link) - 3]
             rate = settled + (present - settled) * decay
             call_scalar(handle.functions[SET_RATE], handle.motors[LINKS * arm + link], -rate)
 

@@ -68,7 +68,7 @@ REDUCED_STATE = np.dtype(
     ],
     align=True,
 )
-"""All that the next step depends on beside the command; world axes, SI. A copy of it is a copy of the plant."""
+"""All that the next step depends on, but for the commanded rates; world axes, SI. A copy of it copies the plant."""
 
 
 class SavedState(NamedTuple):
@@ -164,9 +164,9 @@ class ReducedPlant:
         return int(self.state["tick"])
 
     def observe(self) -> None:
-        """Nothing to wait for: the state is that after the last command."""
+        """Nothing to wait for: the state is that at the end of the last control period."""
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Step through one control period under joint rates [rad/s], shape (2, 3).
 
         Raises:
@@ -181,7 +181,7 @@ class ReducedPlant:
         return SavedState(self._own.copy(), self.state.copy())
 
     def restore(self, saved: SavedState) -> None:
-        """Stand where the plant stood then: from there on the same commands give the same states, bit for bit.
+        """Return to where the plant stood: from there the same commanded rates give the same states, bit for bit.
 
         Args:
             saved: of a plant of the same configuration.
@@ -306,14 +306,14 @@ def _step(handle: ReducedHandle, parameters: Record, joint_rate: FloatArray, sta
 
 @compiled
 def _settle(plant: Record, parameters: Record, joint_rate: FloatArray, step: float) -> None:
-    """The rates to which the servos decay: their commands, giving way to contact, within the torque limit."""
+    """The rates to which the servos decay: those commanded, giving way to contact, within the torque limit."""
     own, servo, scratch = plant.own, plant.servo, plant.scratch
     total = 0.0
     for arm in range(2):
         for link in range(LINKS):
             joint = joint_place(arm, link)
-            command = joint_rate[arm, link] if link < JOINTS else 0.0
-            settled = command + servo.time_constant * own.joint_acceleration[joint]
+            commanded = joint_rate[arm, link] if link < JOINTS else 0.0
+            settled = commanded + servo.time_constant * own.joint_acceleration[joint]
             scratch.settled[joint] = settled
             change = (settled - own.joint_rate[joint]) * (1.0 - servo.decay) - step * own.joint_acceleration[joint]
             scratch.change[joint] = change

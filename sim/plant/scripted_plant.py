@@ -1,4 +1,4 @@
-"""A plant that plays the states given to it and keeps what it is commanded.
+"""A plant that plays the states given to it and keeps the joint rates that it is given.
 
 For tests and tools that want exact states in place of physics: `Mission(config, ScriptedPlant(states))`.
 """
@@ -16,7 +16,7 @@ from sim.record import Record
 
 
 class ScriptedPlant:
-    """One that is observed as its script says, tick by tick, whatever it is commanded."""
+    """A plant whose states are those of its script, tick by tick, whatever joint rates are commanded."""
 
     handle = None
 
@@ -29,8 +29,8 @@ class ScriptedPlant:
         """
         if states.dtype != PLANT_STATE or not len(states):
             raise ValueError(f"states = {states.dtype}, {len(states)} of them: an array of PLANT_STATE is needed")
-        self.commanded: list[FloatArray] = []
-        """The joint rates commanded so far [rad/s], one array of shape (2, 3) a tick."""
+        self.commanded_joint_rates: list[FloatArray] = []
+        """Those of all ticks so far [rad/s], one array of shape (2, 3) a tick."""
         self._states = states
         self._observed = 0
         self._state: Record = states[:1].copy()[0]
@@ -46,7 +46,7 @@ class ScriptedPlant:
         return int(self._states["tick"][min(self._observed, len(self._states) - 1)])
 
     def observe(self) -> None:
-        """See the next state of the script.
+        """Take the next state of the script.
 
         Raises:
             PlantError: the script is at its end.
@@ -58,6 +58,6 @@ class ScriptedPlant:
             self._state[name] = self._states[self._observed][name]
         self._observed += 1
 
-    def command(self, joint_rate: FloatArray) -> None:
+    def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Keep the joint rates [rad/s], shape (2, 3)."""
-        self.commanded.append(joint_rate.copy())
+        self.commanded_joint_rates.append(joint_rate.copy())

@@ -98,7 +98,7 @@ def test_a_process_that_hangs_and_comes_back_executes_nothing_of_what_waited(rob
     _assert_in_time(flight.await_fault(r"no [a-z ]+ for \d+ ms"), SHORT, gaps())
     rate = np.ones((2, 3))
     for number in range(20):  # what a console that has not noticed would go on sending
-        link.command(link.streams[contract.JOINT_STATES.key].latest + number, rate)
+        link.send_joint_rates(link.streams[contract.JOINT_STATES.key].latest + number, rate)
     robot.process.signal(signal.SIGCONT)
     _assert_held(robot, flight, r"no [a-z ]+ for \d+ ms|late")
     again = fly()  # and neither side was restarted
@@ -269,7 +269,7 @@ def test_a_strangers_command_is_refused_and_logged(robot, link, fly, stranger):
 
     def refused() -> bool:
         stamp = link.streams[contract.JOINT_STATES.key].latest
-        stranger.publish(contract.JOINT_COMMAND, wire.encode_command(wire.JointCommand(stamp, session, rate)))
+        stranger.publish(contract.JOINT_COMMAND, wire.encode_joint_command(wire.JointCommand(stamp, session, rate)))
         stranger.publish(contract.OPEN, wire.encode_call(wire.RobotCall(time.time_ns(), session)))
         return session in robot.status["last_refusal"]
 

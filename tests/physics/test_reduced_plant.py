@@ -263,7 +263,7 @@ def test_beside_pymunk_to_the_first_touch():
     for engine in Engine:
         plant = laid_out(engine, MissionConfig())
         for rates in ticks["commanded_joint_rate"]:
-            plant.command(rates)
+            plant.apply_joint_rates(rates)
         state = plant.state
         links = chain(
             robot_model(MissionConfig().robot), state["base_pose"], state["joint_angle"], state["mount_angle"]

@@ -26,19 +26,19 @@ def gate() -> Gate:
     return gate
 
 
-def _command(stamp: int, session: str = SESSION, rate: np.ndarray = RATE) -> JointCommand:
+def _joint_command(stamp: int, session: str = SESSION, rate: np.ndarray = RATE) -> JointCommand:
     return JointCommand(stamp, session, rate)
 
 
 def test_without_a_session_nothing_is_followed():
     gate = Gate(Limits(), ROBOT)
-    assert "another session" in gate.command(_command(START), START).reason
+    assert "another session" in gate.joint_command(_joint_command(START), START).reason
     assert gate.mode is RobotMode.WAITING
     assert not gate.rates(START, PERIOD).any()
 
 
 def test_its_session_is_followed(gate):
-    assert gate.command(_command(START), START + 2 * MS).granted
+    assert gate.joint_command(_joint_command(START), START + 2 * MS).granted
     np.testing.assert_array_equal(gate.rates(START + 2 * MS, PERIOD), RATE)
     assert gate.ages == pytest.approx((0.002, 0.002))
 
@@ -46,15 +46,15 @@ def test_its_session_is_followed(gate):
 @pytest.mark.parametrize(
     ("command", "after", "words"),
     [
-        (_command(START + 1, f"stranger.1@{ROBOT}"), 1, f"another session holds the robot ({SESSION})"),
-        (_command(START), 101, "old"),
-        (_command(START + 50 * MS), 1, "future"),
-        (_command(START + 1, rate=np.array([[0, 0, 0], [0, -2.1, 0.0]])), 1, "right_joint_2 = -2.1 rad/s"),
+        (_joint_command(START + 1, f"stranger.1@{ROBOT}"), 1, f"another session holds the robot ({SESSION})"),
+        (_joint_command(START), 101, "old"),
+        (_joint_command(START + 50 * MS), 1, "future"),
+        (_joint_command(START + 1, rate=np.array([[0, 0, 0], [0, -2.1, 0.0]])), 1, "right_joint_2 = -2.1 rad/s"),
     ],
 )
 def test_what_cannot_be_followed_is_refused_with_the_reason(gate, command, after, words):
     gate.heartbeat(RobotCall(2, SESSION), START + 99 * MS)
-    verdict = gate.command(command, START + after * MS)
+    verdict = gate.joint_command(command, START + after * MS)
     assert not verdict.granted
     assert words in verdict.reason
     assert words in gate.last_refusal
@@ -63,20 +63,20 @@ def test_what_cannot_be_followed_is_refused_with_the_reason(gate, command, after
 
 
 @pytest.mark.parametrize("late", [START + 5 * MS, START + 10 * MS])
-def test_a_command_that_is_overtaken_is_refused(gate, late):
-    assert gate.command(_command(START + 10 * MS, rate=RATE), START + 11 * MS).granted
-    assert "out of order" in gate.command(_command(late, rate=-RATE), START + 12 * MS).reason
+def test_a_joint_command_that_is_overtaken_is_refused(gate, late):
+    assert gate.joint_command(_joint_command(START + 10 * MS, rate=RATE), START + 11 * MS).granted
+    assert "out of order" in gate.joint_command(_joint_command(late, rate=-RATE), START + 12 * MS).reason
     np.testing.assert_array_equal(gate.rates(START + 12 * MS, PERIOD), RATE)
 
 
-@pytest.mark.parametrize("what", ["heartbeat", "commands"])
+@pytest.mark.parametrize("what", ["heartbeat", "joint commands"])
 def test_what_is_late_ramps_to_zero_within_the_deadline_and_says_so(gate, what):
-    gate.command(_command(START, rate=np.full((2, 3), 2.0)), START)
+    gate.joint_command(_joint_command(START, rate=np.full((2, 3), 2.0)), START)
     for now in range(START, START + 100 * MS, 5 * MS):
-        if what == "commands":
+        if what == "joint commands":
             gate.heartbeat(RobotCall(now, SESSION), now)
         else:
-            gate.command(_command(now + 1, rate=np.full((2, 3), 2.0)), now)
+            gate.joint_command(_joint_command(now + 1, rate=np.full((2, 3), 2.0)), now)
         assert gate.rates(now, PERIOD).max() == 2.0
     now = START + 101 * MS
     rates = [gate.rates(now + i * 5 * MS, PERIOD).max() for i in range(round(RAMP_TIME / PERIOD))]
@@ -91,19 +91,19 @@ def test_nothing_that_waited_while_the_link_was_broken_is_executed(gate):
     later = START + 500 * MS
     gate.check(later)
     gate.heartbeat(RobotCall(later, SESSION), later)
-    assert "no heartbeat for" in gate.command(_command(later), later).reason
+    assert "no heartbeat for" in gate.joint_command(_joint_command(later), later).reason
     assert not gate.rates(later, PERIOD).any()
     assert not gate.open(RobotCall(later, SESSION), later).granted  # nor one for the session that was let go
     assert "old" in gate.open(RobotCall(START + 1, SECOND), later).reason  # nor an old one for a new session
     assert gate.open(RobotCall(later, SECOND), later).granted
-    assert gate.command(_command(later + MS, SECOND), later + MS).granted
+    assert gate.joint_command(_joint_command(later + MS, SECOND), later + MS).granted
 
 
 def test_stop_is_anyones_and_ends_only_with_a_new_session(gate):
-    gate.command(_command(START), START)
+    gate.joint_command(_joint_command(START), START)
     assert gate.stop(RobotCall(9, "stranger.1"), START + MS).granted
     assert not gate.rates(START, PERIOD).any()
-    assert "stopped" in gate.command(_command(START + MS), START + MS).reason
+    assert "stopped" in gate.joint_command(_joint_command(START + MS), START + MS).reason
     assert "before the STOP" in gate.open(RobotCall(START + MS, SECOND), START + 2 * MS).reason
     assert gate.open(RobotCall(START + 2 * MS, SECOND), START + 2 * MS).granted
     assert gate.mode is RobotMode.FOLLOWING
@@ -121,7 +121,7 @@ def test_a_request_for_another_robot_is_refused(gate):
     other = Gate(Limits(), "testbed.2a")
     assert "this robot is testbed.2a" in other.open(RobotCall(START, SESSION), START).reason
     assert other.mode is RobotMode.WAITING
-    assert "another session" in other.command(_command(START), START).reason
+    assert "another session" in other.joint_command(_joint_command(START), START).reason
 
 
 def test_a_console_is_not_locked_out_by_whoever_uses_its_name(gate):
@@ -132,7 +132,7 @@ def test_a_console_is_not_locked_out_by_whoever_uses_its_name(gate):
 
 
 def test_a_request_that_is_sent_again_changes_nothing(gate):
-    gate.command(_command(START), START)
+    gate.joint_command(_joint_command(START), START)
     assert gate.open(RobotCall(START, SESSION), START + MS).granted
     np.testing.assert_array_equal(gate.rates(START + MS, PERIOD), RATE)
 
@@ -167,13 +167,13 @@ def test_a_heartbeat_from_the_future_does_not_make_the_holders_look_old(gate):
     for after in range(5, 150, 5):
         now = START + after * MS
         gate.heartbeat(RobotCall(7 + after * MS, SESSION), now)
-        gate.command(_command(now), now)
+        gate.joint_command(_joint_command(now), now)
         gate.check(now)
     assert gate.mode is RobotMode.FOLLOWING
 
 
 def test_a_stop_that_cannot_be_read_stops(gate):
-    gate.command(_command(START), START)
+    gate.joint_command(_joint_command(START), START)
     gate.stop(None, START + MS)
     assert gate.why == "STOP from unknown"
     assert not gate.rates(START + MS, PERIOD).any()
@@ -189,7 +189,7 @@ def test_a_stop_that_cannot_be_read_stops(gate):
     ],
 )
 def test_wrists_are_tared_by_their_holder_at_rest(gate, stamp, session, rate, words):
-    gate.command(_command(START, rate=np.full((2, 3), rate)), START)
+    gate.joint_command(_joint_command(START, rate=np.full((2, 3), rate)), START)
     gate.rates(START, PERIOD)
     reason = gate.refuse_tare(RobotCall(stamp, session), START + MS)
     assert words in reason
@@ -198,8 +198,8 @@ def test_wrists_are_tared_by_their_holder_at_rest(gate, stamp, session, rate, wo
 
 def test_refusals_are_counted_and_told_once_a_second(gate, caplog):
     for number in range(300):
-        gate.command(_command(START, STRANGER), START + number * MS)
+        gate.joint_command(_joint_command(START, STRANGER), START + number * MS)
     assert gate.refused == 300
     assert len(caplog.records) == 1
-    gate.command(_command(START, STRANGER), START + 1001 * MS)
+    gate.joint_command(_joint_command(START, STRANGER), START + 1001 * MS)
     assert "(299 more" in caplog.text

@@ -319,7 +319,7 @@ def test_numbers_in_reports_are_numbers_or_nothing(console, stamp):
         console.hear(
             channel, wire.encode_report(StatusReport(console.time.robot, ROBOT, "stop", True, "waiting", values))
         )
-    assert console.reception.reports.command_ages is None
+    assert console.reception.reports.joint_command_ages is None
 
 
 def _mangled(random_: random.Random, good: bytes) -> bytes:
@@ -343,7 +343,7 @@ def _mangled(random_: random.Random, good: bytes) -> bytes:
 
 DECODERS = {
     "joint_states": wire.decode_joints,
-    "joint_command": wire.decode_command,
+    "joint_command": wire.decode_joint_command,
     "wrench": wire.decode_wrench,
     "pose": wire.decode_pose,
     "twist": wire.decode_twist,
@@ -393,7 +393,7 @@ def test_three_hundred_thousand_joints_are_not_even_read():
     header = wire._header(START, f"{CONSOLE}.1@{ROBOT}")
     message = ros("sensor_msgs/msg/JointState", header, names, np.zeros(0), np.zeros(300_000), np.zeros(0))
     with pytest.raises(wire.WireError, match="no message of the contract has more than"):
-        wire.decode_command(serialized(message, "sensor_msgs/msg/JointState"))
+        wire.decode_joint_command(serialized(message, "sensor_msgs/msg/JointState"))
 
 
 def test_a_joint_that_is_named_twice_is_refused():
@@ -464,7 +464,7 @@ def test_a_robot_outlives_any_bytes_on_any_key_and_can_be_taken(robot):
 def test_a_stop_is_obeyed_among_any_number_of_other_messages_and_even_if_it_cannot_be_read(robot):
     session = _take(robot, 2)
     now = robot._clock.now()
-    rates = wire.encode_command(JointCommand(now, session, np.full((2, 3), 0.3)))
+    rates = wire.encode_joint_command(JointCommand(now, session, np.full((2, 3), 0.3)))
     _tell(robot, contract.STOP, b"\0")
     for channel in (contract.JOINT_COMMAND, contract.HEARTBEAT):
         for _ in range(5000):

@@ -52,12 +52,12 @@ def test_a_word_that_the_contract_does_not_know_is_no_mode():
     assert reports.mode is None
 
 
-def test_command_ages_are_those_that_the_robot_told():
+def test_joint_command_ages_are_those_that_the_robot_reported():
     reports = RobotReports()
     reports.take(_report(1), 10.0)
-    assert reports.command_ages is None
-    told = {"command_age_p50": "0.003000", "command_age_p99": "0.004500", "commands": "7"}
-    for number in range(20):  # the last ones are told on while none come
-        reports.take(_report(2 + number)._replace(values=told), 10.1 + number)
-    assert reports.command_ages == (0.003, 0.0045)
-    assert list(reports.command_age.ago(30.0).values()) == [0.0045]
+    assert reports.joint_command_ages is None
+    reported = {"command_age_p50": "0.003000", "command_age_p99": "0.004500", "commands": "7"}
+    for number in range(20):  # the last ones are repeated while none come
+        reports.take(_report(2 + number)._replace(values=reported), 10.1 + number)
+    assert reports.joint_command_ages == (0.003, 0.0045)
+    assert list(reports.joint_command_age.ago(30.0).values()) == [0.0045]

@@ -22,7 +22,7 @@ SESSION = "a1b2c3.1@testbed.1f"
 
 MESSAGES = {
     "joint_states": (wire.encode_joints, wire.decode_joints, wire.JointSample(STAMP, ANGLE, RATE, ROBOT)),
-    "joint_command": (wire.encode_command, wire.decode_command, wire.JointCommand(STAMP, SESSION, RATE)),
+    "joint_command": (wire.encode_joint_command, wire.decode_joint_command, wire.JointCommand(STAMP, SESSION, RATE)),
     "wrench": (
         wire.encode_wrench,
         wire.decode_wrench,
@@ -99,7 +99,7 @@ def test_numbers_that_are_not_finite_are_refused(bad):
     rate = RATE.copy()
     rate[1, 2] = bad
     with pytest.raises(wire.WireError, match="finite"):
-        wire.decode_command(wire.encode_command(wire.JointCommand(STAMP, "a", rate)))
+        wire.decode_joint_command(wire.encode_joint_command(wire.JointCommand(STAMP, "a", rate)))
     with pytest.raises(wire.WireError, match="finite"):
         wire.decode_twist(wire.encode_twist(wire.PlaneSample(STAMP, "world", np.array([0.0, bad, 0.0]))))
 

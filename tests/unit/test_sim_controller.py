@@ -10,7 +10,7 @@ import pytest
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.admittance import admittance_transition
-from sim.control.hand_motion import command_rates, hand_twists, hold_joints
+from sim.control.hand_motion import command_joint_rates, hand_twists, hold_joints
 from sim.control.memory import MEMORY, NEVER
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.method.method import begin_sequence, decide
@@ -54,7 +54,7 @@ def run(memory, state, parameters=PARAMETERS, verdict=Verdict.NONE):
 class TestRateBound:
     def commanded(self, rates):
         memory, *_ = at_start()
-        command_rates(memory, PARAMETERS, np.array(rates, dtype=float))
+        command_joint_rates(memory, PARAMETERS, np.array(rates, dtype=float))
         return memory
 
     def test_leaves_ordinary_rates_alone(self):

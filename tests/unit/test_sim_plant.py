@@ -50,7 +50,7 @@ class TestStart:
         assert plant.state["momentum"] == pytest.approx([p, 0.0, -0.35 * p])
 
 
-class TestCommand:
+class TestJointRates:
     def test_takes_one_control_period(self, engine):
         plant = laid_out(engine, MissionConfig())
         assert after(plant, STILL)["time"] == pytest.approx(1e-3)

@@ -58,7 +58,7 @@ class TestScriptedPlant:
         mission.request(Command.CAPTURE)
         rows = mission.advance(TICKS)
         assert np.array_equal(rows, flown)
-        assert np.array_equal(plant.commanded, flown["commanded_joint_rate"])
+        assert np.array_equal(plant.commanded_joint_rates, flown["commanded_joint_rate"])
         assert np.abs(flown["commanded_joint_rate"]).max() > 0.05
 
     def test_its_end_is_a_fault_of_the_plant(self, flown):
