@@ -92,7 +92,7 @@ def _watched_ticks(
     handle: PymunkHandle, parameters: Record, monitor: Record, memory: Record, state: Record, flown: Ticks
 ) -> None:
     for row in flown:
-        watch(monitor, memory, parameters, handle.robot, state, _recalled(handle, state, row))
+        watch(monitor, memory, parameters, handle.robot, handle.target.shape, state, _recalled(handle, state, row))
 
 
 @compiled

@@ -38,9 +38,25 @@ class CornerContact(StrEnum):
     """Which normal a tip feels beside a corner of the target."""
 
     FACE = "face"
-    """That of the face it penetrates least, within one tip radius of the corner (authors)."""
+    """That of the face it penetrates least, within one tip radius of the corner (authors, for their square).
+
+    A target of any other shape has radial corners with this choice, too.
+    """
     RADIAL = "radial"
     """From the corner to the tip's centre: continuous with both faces."""
+
+
+class TargetShape(StrEnum):
+    """What outline the target has, about its centre of mass."""
+
+    SQUARE = "square"
+    """Four sides of length `side`."""
+    RECTANGLE = "rectangle"
+    """`width` along its x axis, `depth` along its y axis."""
+    REGULAR_POLYGON = "regular_polygon"
+    """As many sides as `sides`, of length `side`, one of them facing +x."""
+    CIRCLE = "circle"
+    """Of radius `radius`."""
 
 
 class SingularityHandling(StrEnum):
@@ -214,9 +230,26 @@ class RobotConfig(ConfigModel):
 
 
 class TargetConfig(ConfigModel):
-    """The debris: a square prism seen from above, and how it moves at the start."""
+    """The debris: a prism seen from above, and how it moves at the start."""
 
-    side: Number = parameter(0.150, "Length of a side", unit="m", source="Table I, l_t", gt=0, le=2)
+    shape: TargetShape = parameter(
+        TargetShape.SQUARE, "Outline, about the centre of mass", unit="1", source="Sec. II: a square"
+    )
+    side: Number = parameter(
+        0.150, "Length of a side of a square or regular polygon", unit="m", source="Table I, l_t", gt=0, le=2
+    )
+    width: Number = parameter(
+        0.200, "Extent of a rectangle along its x axis", unit="m", source="chosen: twice its depth", gt=0, le=2
+    )
+    depth: Number = parameter(
+        0.100, "Extent of a rectangle along its y axis", unit="m", source="chosen: fits between the hands", gt=0, le=2
+    )
+    sides: WholeNumber = parameter(
+        6, "Number of sides of a regular polygon", unit="1", source="chosen: a hexagon", ge=3, le=12
+    )
+    radius: Number = parameter(
+        0.075, "Radius of a circle", unit="m", source="chosen: touches the sides of the published square", gt=0, le=1
+    )
     mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=1e-3, le=1e4)
     inertia: Number = parameter(
         9.32724e-3,
@@ -242,6 +275,19 @@ class TargetConfig(ConfigModel):
     initial_spin: Number = parameter(
         1.0, "Angular velocity at the start, omega_0", unit="rad/s", source="Sec. IV-A", ge=-20, le=20
     )
+
+    @property
+    def reach(self) -> float:
+        """From the centre to the farthest point of the outline [m]."""
+        match self.shape:
+            case TargetShape.SQUARE:
+                return self.side / math.sqrt(2.0)
+            case TargetShape.RECTANGLE:
+                return math.hypot(self.width, self.depth) / 2.0
+            case TargetShape.REGULAR_POLYGON:
+                return self.side / (2.0 * math.sin(math.pi / self.sides))
+            case TargetShape.CIRCLE:
+                return self.radius
 
 
 class ContactConfig(ConfigModel):
@@ -553,7 +599,7 @@ def _longest_step(config: MissionConfig, kind: str) -> float:
     stiffness, damping = (float(getattr(config.contact, name)) for name in _CONTACTS[kind])
     bodies = _hand_bodies(config.robot) if kind == "tip" else _solid_bodies(config.robot)
     target = config.target
-    of_target = 1.0 / target.mass + target.side**2 / 2.0 / target.inertia
+    of_target = 1.0 / target.mass + target.reach**2 / target.inertia
     lightest = max(1.0 / mass + reach**2 / inertia for mass, inertia, reach in bodies) + of_target
     return 2.0 * (math.sqrt(damping**2 + stiffness / lightest) - damping) / stiffness
 

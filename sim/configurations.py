@@ -31,6 +31,7 @@ from sim.errors import ConfigError
 from sim.method.published.parameters import ImpedanceConfig, PublishedConfig, TouchConfig
 from sim.model.clearance import initial_overlap
 from sim.model.inertia import Outline, outlines
+from sim.parameters import MethodConfig
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
 MOST_CHANGES = 4 * len(PARAMETERS)
@@ -144,6 +145,7 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
     for body in outlines(result):
         if any(value_at(result, path) != value_at(config, path) for path in body.parameters):
             require_inertia_of_its_size(result, body)
+    require_shape_for_method(result)
     require_clear_start(result)
     return result
 
@@ -177,7 +179,7 @@ def require_inertia_of_its_size(config: MissionConfig, body: Outline) -> None:
         ConfigError: the message names the parameters; the tip has what would be right.
 
     """
-    size = ", ".join(f"{path} = {value_at(config, path):g} m" for path in body.shape)
+    size = ", ".join(f"{path} = {stated_value(config, path)}" for path in body.shape)
     if min(body.behind, body.ahead) < 0.0:
         centre = value_at(config, body.place)
         low, high = centre - body.behind, centre + body.ahead
@@ -190,9 +192,26 @@ def require_inertia_of_its_size(config: MissionConfig, body: Outline) -> None:
     placed = f", {body.place} = {value_at(config, body.place):g} m" if body.place else ""
     raise ConfigError(
         f"{body.group}.inertia = {body.inertia:g} kg m2: a {body.what} of {size}{placed} and {body.group}.mass = "
-        f"{body.mass:g} kg has at most {body.most:.4g} kg m2, with all of its mass in its corners",
+        f"{body.mass:g} kg has at most {body.most:.4g} kg m2, with all of its mass as far out as it reaches",
         tip=f"change them together; an even plate of that outline has {body.even_plate:.4g} kg m2",
     )
+
+
+def require_shape_for_method(config: MissionConfig) -> None:
+    """Refuse a target of a shape that the chosen method cannot capture.
+
+    Raises:
+        ConfigError: the message names the shape, the method, and those that it can.
+
+    """
+    method: MethodConfig = getattr(config, config.method.value)
+    shapes = method.target_shapes
+    if shapes is not None and config.target.shape not in shapes:
+        raise ConfigError(
+            f"target.shape = {config.target.shape}: method = {config.method.value} captures only a target of shape "
+            f"{' or '.join(shapes)}: {method.why_these_shapes}",
+            tip=f"set target.shape = {shapes[0]}, or choose another method",
+        )
 
 
 def require_clear_start(config: MissionConfig) -> None:
@@ -254,6 +273,12 @@ def bracketed_unit(path: str) -> str:
     """The unit of that parameter as a message ends with it; nothing for a pure number or a choice."""
     unit = PARAMETERS[path].json_schema_extra["unit"]
     return "" if unit == "1" else f" [{unit}]"
+
+
+def stated_value(config: MissionConfig, path: str) -> str:
+    """The value of that parameter with its unit, as a message says it."""
+    value, unit = value_at(config, path), PARAMETERS[path].json_schema_extra["unit"]
+    return f"{value:g} {unit}" if isinstance(value, float) else str(value)
 
 
 def unknown_parameter(path: str) -> str:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
@@ -36,3 +36,12 @@ class ConfigModel(BaseModel):
     """Frozen, nothing unknown, no NaN: the base of every part of the configuration."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class MethodConfig(ConfigModel):
+    """The parameters of a method: the base of its group."""
+
+    target_shapes: ClassVar[tuple[str, ...] | None] = None
+    """The choices of `target.shape` that the method can capture; None if it can any."""
+    why_these_shapes: ClassVar[str] = ""
+    """What of the method needs one of them, as the end of a refusal."""

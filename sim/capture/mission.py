@@ -36,7 +36,7 @@ from sim.capture.stages import Visit, stages, visits_after
 from sim.capture.tick import ARMS, TICK
 from sim.compiled import FloatArray, compiled
 from sim.config import Engine, MissionConfig, differences, is_live
-from sim.configurations import require_clear_start, revised
+from sim.configurations import require_clear_start, require_shape_for_method, revised
 from sim.control.hand_motion import hand_twists
 from sim.control.memory import MEMORY, NO_PLAN
 from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
@@ -44,6 +44,8 @@ from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.method.method import MethodHandle, begin_sequence, decide, enter_phase, method_of
 from sim.model.robot import Chain, RobotModel, chain, robot_model
+from sim.model.shape import Shape
+from sim.model.target import target_shape
 from sim.perception.perceived import PERCEIVED, Perceived, perceive
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
@@ -56,6 +58,7 @@ def fly(
     handle: PlantHandle,
     method: MethodHandle,
     robot: RobotModel,
+    shape: Shape,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -70,7 +73,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(method, robot, parameters, memory, monitor, state, known, rows[place])
+        over = _decide(method, robot, shape, parameters, memory, monitor, state, known, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -82,6 +85,7 @@ def fly(
 def _decide(
     method: MethodHandle,
     robot: RobotModel,
+    shape: Shape,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -92,12 +96,12 @@ def _decide(
     """Watch a state, command joint rates from what is known of it, write a row of `TICK`; whether a verdict fell."""
     before = monitor.verdict
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
-    watch(monitor, memory, parameters, robot, state, links)
+    watch(monitor, memory, parameters, robot, shape, state, links)
     over = bool(monitor.verdict != before)
     verdict = monitor.verdict if over else Verdict.NONE
     belief = known[0]
     believed = perceive(belief, parameters, robot, state, links)
-    belief.closed = tips_enclose(robot, believed.hand_pose, belief.target_pose, parameters.target.side)
+    belief.closed = tips_enclose(robot, shape, believed.hand_pose, belief.target_pose)
     decide(method, memory, parameters, robot, belief, believed, verdict)
     _write(row, memory, monitor, state, links, belief)
     return over
@@ -107,6 +111,7 @@ def _decide(
 def follow(
     method: MethodHandle,
     robot: RobotModel,
+    shape: Shape,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -123,7 +128,7 @@ def follow(
     """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        if _decide(method, robot, parameters, memory, monitor, state, known, rows[place]):
+        if _decide(method, robot, shape, parameters, memory, monitor, state, known, rows[place]):
             return place + 1
     return len(recorded)
 
@@ -206,14 +211,15 @@ class Mission:
         Without one, a plant is laid out as configured, in the engine that is configured.
 
         Raises:
-            ConfigError: the target overlaps the robot.
+            ConfigError: the target overlaps the robot, or has a shape that the method cannot capture.
 
         """
+        require_shape_for_method(config)
         if plant is None:
             require_clear_start(config)
         self.config = config
         self._plant = simulated_plant(config) if plant is None else plant
-        self._robot = robot_model(config.robot)
+        self._robot, self._shape = robot_model(config.robot), target_shape(config.target)
         self._parameters: Record = record_of(config)
         self._fault: PlantError | None = None
         self.method = method_of(config)
@@ -329,6 +335,7 @@ class Mission:
             plant.handle,
             self._method_handle,
             self._robot,
+            self._shape,
             self._parameters,
             self._memory,
             self._monitor,
@@ -349,6 +356,7 @@ class Mission:
                 over = _decide(
                     self._method_handle,
                     self._robot,
+                    self._shape,
                     self._parameters,
                     self._memory,
                     self._monitor,
@@ -376,6 +384,7 @@ class Mission:
             followed = follow(
                 self._method_handle,
                 self._robot,
+                self._shape,
                 self._parameters,
                 self._memory,
                 self._monitor,
@@ -477,7 +486,7 @@ class Mission:
         rows = np.zeros(1, TICK)
         state, robot = self._plant.state, self._robot
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        watch(self._monitor, self._memory, self._parameters, robot, state, links)
+        watch(self._monitor, self._memory, self._parameters, robot, self._shape, state, links)
         belief = self._known[0]
         perceive(belief, self._parameters, robot, state, links)
         belief["closed"] = self._monitor["closed"]

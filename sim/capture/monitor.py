@@ -16,10 +16,10 @@ from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.control.trajectory import plan_end
-from sim.model.clearance import corner_inside
+from sim.model.clearance import corners_overlap
 from sim.model.generalized_jacobian import manipulability
-from sim.model.planar import rotated
 from sim.model.robot import Chain, RobotModel, arm_jacobian
+from sim.model.shape import Shape
 from sim.record import Record
 from sim.snapshot import Outcome, OutcomeClass, Touch
 
@@ -72,10 +72,18 @@ def begin_monitoring(monitor: Record, time: float, momentum: FloatArray) -> None
 
 
 @compiled
-def watch(monitor: Record, memory: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain) -> None:
+def watch(
+    monitor: Record,
+    memory: Record,
+    parameters: Record,
+    robot: RobotModel,
+    shape: Shape,
+    state: Record,
+    links: Chain,
+) -> None:
     """Note what this tick shows, before the controller acts on it."""
-    monitor.closed = tips_enclose(robot, links.hand_pose, state.target_pose, parameters.target.side)
-    monitor.base_overlap = overlaps_base(parameters, state)
+    monitor.closed = tips_enclose(robot, shape, links.hand_pose, state.target_pose)
+    monitor.base_overlap = overlaps_base(robot, shape, state)
     for arm in range(2):
         monitor.manipulability[arm] = manipulability(arm_jacobian(links, arm))
     if math.isnan(monitor.begun_at) or monitor.verdict != Verdict.NONE:
@@ -128,17 +136,9 @@ def _target_is_slow(parameters: Record, state: Record) -> bool:
 
 
 @compiled
-def overlaps_base(parameters: Record, state: Record) -> bool:
-    """Whether the target and the base's rectangle overlap by a corner, or touch as solids."""
-    base, half_side = parameters.robot.base, 0.5 * parameters.target.side
-    dx, dy = rotated(state.base_pose[2], 0.0, -base.centre_of_mass_ahead)
-    rectangle = np.array([state.base_pose[0] + dx, state.base_pose[1] + dy, state.base_pose[2]])
-    half_x, half_y = 0.5 * base.width, 0.5 * base.depth
-    return bool(
-        state.base_contact > 0
-        or corner_inside(state.target_pose, half_side, half_side, rectangle, half_x, half_y)
-        or corner_inside(rectangle, half_x, half_y, state.target_pose, half_side, half_side)
-    )
+def overlaps_base(robot: RobotModel, shape: Shape, state: Record) -> bool:
+    """Whether the target and the base overlap by a corner, or touch as solids."""
+    return bool(state.base_contact > 0 or corners_overlap(shape, state.target_pose, robot.base_shape, state.base_pose))
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""What overlaps what: the target's square against the robot's base, links and hands."""
+"""What overlaps what: the target against the robot's base, links and hands."""
 
 from __future__ import annotations
 
@@ -11,25 +11,41 @@ from sim.compiled import FloatArray, compiled
 from sim.config import ArmConfig, MissionConfig
 from sim.model.planar import rotated
 from sim.model.robot import JOINTS, RobotModel, chain, initial_joint_angles, robot_model
-from sim.model.target import distance_from_square, in_target
+from sim.model.shape import Shape, signed_distance
+from sim.model.target import in_target, target_shape
 
 _SAMPLES = 41  # along a link, for the check before a start: every few millimetres
 
 
 @compiled
-def corner_inside(
-    pose: FloatArray, half_x: float, half_y: float, other: FloatArray, other_x: float, other_y: float
-) -> bool:
-    """Whether a corner of the first rectangle lies inside the other; poses of their centres, shape (3,) [m, rad]."""
-    reach = math.hypot(half_x, half_y) + math.hypot(other_x, other_y)
-    if math.hypot(pose[0] - other[0], pose[1] - other[1]) > reach:
-        return False
-    for i in range(4):
-        dx, dy = rotated(pose[2], half_x if i in {0, 3} else -half_x, half_y if i < 2 else -half_y)
-        x, y = in_target(other, pose[0] + dx, pose[1] + dy)
-        if abs(x) <= other_x and abs(y) <= other_y:
-            return True
-    return False
+def corner_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: FloatArray) -> float:
+    """How deep the deepest corner of a shape lies in another [m]; zero or less if none does.
+
+    A rounded corner counts with its rounding. Beyond the reach of both the answer is minus infinity.
+
+    Args:
+        shape: whose corners.
+        pose: of its frame, shape (3,) [m, rad].
+        other: the shape that they may lie in.
+        other_pose: of its frame, shape (3,) [m, rad].
+
+    """
+    deepest = -math.inf
+    if math.hypot(pose[0] - other_pose[0], pose[1] - other_pose[1]) > shape.corner_circle + other.corner_circle:
+        return deepest
+    for corner in range(shape.corners):
+        dx, dy = rotated(pose[2], shape.vertices[corner, 0], shape.vertices[corner, 1])
+        x, y = in_target(other_pose, pose[0] + dx, pose[1] + dy)
+        deepest = max(deepest, shape.rounding - signed_distance(other, x, y))
+    return deepest
+
+
+@compiled
+def corners_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: FloatArray) -> bool:
+    """Whether a corner of one of two shapes lies in the other; poses of their frames, shape (3,) [m, rad]."""
+    return bool(
+        corner_overlap(shape, pose, other, other_pose) >= 0.0 or corner_overlap(other, other_pose, shape, pose) >= 0.0
+    )
 
 
 def geometric_base_pose(config: MissionConfig, base_pose: FloatArray) -> FloatArray:
@@ -56,22 +72,21 @@ def hand_outline(arm: ArmConfig) -> FloatArray:
 
 def initial_overlap(config: MissionConfig) -> tuple[str, float] | None:
     """The part of the robot that the target overlaps most at the start and how deep [m], or None."""
-    target = initial_target_pose(config)
-    half_side = config.target.side / 2
-    depths = dict(_hand_and_link_depths(config, target, half_side))
-    base = geometric_base_pose(config, initial_base_pose(config))
-    half_x, half_y = config.robot.base.width / 2, config.robot.base.depth / 2
-    if corner_inside(target, half_side, half_side, base, half_x, half_y) or corner_inside(
-        base, half_x, half_y, target, half_side, half_side
-    ):
-        depths["base"] = half_side + half_y - abs(target[1] - base[1])
+    pose, shape, robot = initial_target_pose(config), target_shape(config.target), robot_model(config.robot)
+    depths = dict(_hand_and_link_depths(config, robot, pose, shape))
+    base_pose = initial_base_pose(config)
+    depths["base"] = max(
+        corner_overlap(shape, pose, robot.base_shape, base_pose),
+        corner_overlap(robot.base_shape, base_pose, shape, pose),
+    )
     part = max(depths, key=lambda name: depths[name])
     return (part, depths[part]) if depths[part] > 0.0 else None
 
 
-def _hand_and_link_depths(config: MissionConfig, target: FloatArray, half_side: float) -> list[tuple[str, float]]:
+def _hand_and_link_depths(
+    config: MissionConfig, robot: RobotModel, target_pose: FloatArray, shape: Shape
+) -> list[tuple[str, float]]:
     arm_config = config.robot.arm
-    robot: RobotModel = robot_model(config.robot)
     links = chain(robot, initial_base_pose(config), initial_joint_angles(arm_config), np.zeros(2))
     depths = []
     for arm, side in enumerate(("left", "right")):
@@ -79,20 +94,20 @@ def _hand_and_link_depths(config: MissionConfig, target: FloatArray, half_side: 
         outline = np.array([hand[:2] + np.array(rotated(hand[2], *point)) for point in hand_outline(arm_config)])
         for j in range(JOINTS):
             run = links.joint[arm, j : j + 2]
-            depths.append((f"{side} link {j + 1}", _depth(run, arm_config.link_radius, target, half_side)))
-        depths.append((f"{side} hand", _depth(outline, arm_config.hand.finger_radius, target, half_side)))
+            depths.append((f"{side} link {j + 1}", _depth(run, arm_config.link_radius, target_pose, shape)))
+        depths.append((f"{side} hand", _depth(outline, arm_config.hand.finger_radius, target_pose, shape)))
         tips = outline[[0, 3]]
         depths.append(
-            (f"{side} tips", max(_depth(tips[[i, i]], robot.tip_radius, target, half_side) for i in range(2)))
+            (f"{side} tips", max(_depth(tips[[i, i]], robot.tip_radius, target_pose, shape) for i in range(2)))
         )
     return depths
 
 
-def _depth(run: FloatArray, radius: float, target: FloatArray, half_side: float) -> float:
+def _depth(run: FloatArray, radius: float, target_pose: FloatArray, shape: Shape) -> float:
     """How deep [m] a chain of capsules along these points, shape (n, 2), reaches into the target; negative if clear."""
     deepest = -math.inf
     for start, end in pairwise(run):
         for part in np.linspace(0.0, 1.0, _SAMPLES):
-            x, y = in_target(target, *(start + part * (end - start)))
-            deepest = max(deepest, radius - distance_from_square(half_side, x, y))
+            x, y = in_target(target_pose, *(start + part * (end - start)))
+            deepest = max(deepest, radius - signed_distance(shape, x, y))
     return deepest

@@ -1,18 +1,22 @@
 """What moment of inertia a body of some outline, mass and centre of mass can have at most.
 
 Wherever its mass is, a body within a rectangle has the largest moment of inertia with all of it in the corners, shared
-between both ends so that the centre of mass is where it is said to be.
+between both ends so that the centre of mass is where it is said to be. A target, whose centre of mass is its middle,
+has it with all mass on its corner circle, as a square in that circle has.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from sim.config import MissionConfig
+from sim.model.shape import plate_inertia
+from sim.model.target import SIZES, target_shape
 
 
 class Outline(NamedTuple):
-    """A rectangle that holds a body, along the axis on which its centre of mass lies, and what the body weighs."""
+    """A rectangle that bounds a body, along the axis on which its centre of mass lies, and what the body weighs."""
 
     what: str
     group: str
@@ -20,7 +24,7 @@ class Outline(NamedTuple):
     place: str
     """Path of the parameter that places its centre of mass; empty if that is in the middle."""
     shape: tuple[str, ...]
-    """Paths of the parameters that give the rectangle [m]."""
+    """Paths of the parameters that give it."""
     behind: float
     """From the centre of mass to the rectangle's end behind it [m]."""
     ahead: float
@@ -31,6 +35,8 @@ class Outline(NamedTuple):
     """[kg]"""
     inertia: float
     """About the centre of mass [kg m2]."""
+    even_plate: float
+    """Of an even plate of the body's shape and mass, about its middle [kg m2]."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -48,20 +54,34 @@ class Outline(NamedTuple):
             return -1.0
         return self.mass * (self.behind * self.ahead + self.half_width**2)
 
-    @property
-    def even_plate(self) -> float:
-        """Of an even plate that fills the rectangle, about its middle [kg m2]."""
-        return self.mass * ((self.behind + self.ahead) ** 2 + (2.0 * self.half_width) ** 2) / 12.0
-
 
 def outlines(config: MissionConfig) -> tuple[Outline, ...]:
     """Every body whose mass and moment of inertia are parameters."""
     return (_target(config), _base(config), *(_link(config, number) for number in (1, 2, 3)), _hand(config))
 
 
+def _rectangle(
+    what: str,
+    group: str,
+    place: str,
+    shape: tuple[str, ...],
+    behind: float,
+    ahead: float,
+    half_width: float,
+    mass: float,
+    inertia: float,
+) -> Outline:
+    """The outline of a body that fills the rectangle."""
+    even_plate = mass * ((behind + ahead) ** 2 + (2.0 * half_width) ** 2) / 12.0
+    return Outline(what, group, place, shape, behind, ahead, half_width, mass, inertia, even_plate)
+
+
 def _target(config: MissionConfig) -> Outline:
-    target, half = config.target, config.target.side / 2.0
-    return Outline("square", "target", "", ("target.side",), half, half, half, target.mass, target.inertia)
+    target, shape = config.target, target_shape(config.target)
+    half = shape.corner_circle / math.sqrt(2.0)
+    size = ("target.shape", *(f"target.{name}" for name in SIZES[target.shape]))
+    plate = plate_inertia(shape, target.mass)
+    return Outline("target", "target", "", size, half, half, half, target.mass, target.inertia, plate)
 
 
 def _base(config: MissionConfig) -> Outline:
@@ -69,7 +89,9 @@ def _base(config: MissionConfig) -> Outline:
     half, centre = base.depth / 2.0, base.centre_of_mass_ahead
     shape = (f"{group}.width", f"{group}.depth")
     place = f"{group}.centre_of_mass_ahead"
-    return Outline("base", group, place, shape, half + centre, half - centre, base.width / 2.0, base.mass, base.inertia)
+    return _rectangle(
+        "base", group, place, shape, half + centre, half - centre, base.width / 2.0, base.mass, base.inertia
+    )
 
 
 def _link(config: MissionConfig, number: int) -> Outline:
@@ -77,7 +99,7 @@ def _link(config: MissionConfig, number: int) -> Outline:
     link = (config.robot.arm.link_1, config.robot.arm.link_2, config.robot.arm.link_3)[number - 1]
     behind, ahead = link.centre_of_mass + radius, link.length + radius - link.centre_of_mass
     shape = (f"{group}.length", "robot.arm.link_radius")
-    return Outline("link", group, f"{group}.centre_of_mass", shape, behind, ahead, radius, link.mass, link.inertia)
+    return _rectangle("link", group, f"{group}.centre_of_mass", shape, behind, ahead, radius, link.mass, link.inertia)
 
 
 def _hand(config: MissionConfig) -> Outline:
@@ -87,4 +109,4 @@ def _hand(config: MissionConfig) -> Outline:
     ahead = hand.centre_offset + thickest - hand.centre_of_mass
     shape = tuple(f"{group}.{name}" for name in ("centre_offset", "tip_offset", "tip_radius", "finger_radius"))
     place = f"{group}.centre_of_mass"
-    return Outline("hand", group, place, shape, behind, ahead, hand.tip_offset + thickest, hand.mass, hand.inertia)
+    return _rectangle("hand", group, place, shape, behind, ahead, hand.tip_offset + thickest, hand.mass, hand.inertia)

@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 from sim.compiled import FloatArray, compiled
 from sim.config import CornerContact
-from sim.model.planar import point_velocity, rotated, sign
+from sim.model.planar import point_velocity, rotated
+from sim.model.shape import Shape, facing_side, surface
 from sim.model.target import in_target
 from sim.record import Record, code_of
 
-_RADIAL = code_of(CornerContact.RADIAL)
+_FACE = code_of(CornerContact.FACE)
 
 
 class TipContact(NamedTuple):
@@ -32,28 +33,24 @@ class TipContact(NamedTuple):
 
 
 @compiled
-def penetration(half_side: float, radius: float, corner: int, x: float, y: float) -> tuple[float, float, float]:
-    """Depth [m] of a tip in the target, and the face's outward normal there, in the target's frame.
+def penetration(shape: Shape, radius: float, corner: int, x: float, y: float) -> tuple[float, float, float]:
+    """Depth [m] of a tip in the target, and the outward normal of the target there, in the target's frame.
 
-    Beside a corner a tip touches only within its radius of it: with the formula of the face that it
-    penetrates least, or radially, as `CornerContact` chooses. Not touching: depth zero or less.
+    Beside a corner a tip touches only within its radius of it: radially, or with the formula of the face that it
+    penetrates least, if `CornerContact` chooses that and the shape is a square. Not touching: depth zero or less.
 
     Args:
-        half_side: of the target [m].
+        shape: of the target.
         radius: of the tip [m].
         corner: code of a `CornerContact`.
         x: tip centre in the target's frame [m].
         y: likewise.
 
     """
-    beyond_x, beyond_y = abs(x) - half_side, abs(y) - half_side
-    if beyond_x > 0.0 and beyond_y > 0.0:
-        distance = math.hypot(beyond_x, beyond_y)
-        if corner == _RADIAL or distance >= radius:
-            return radius - distance, sign(x) * beyond_x / distance, sign(y) * beyond_y / distance
-    if beyond_x >= beyond_y:
-        return radius - beyond_x, sign(x), 0.0
-    return radius - beyond_y, 0.0, sign(y)
+    distance, nx, ny = surface(shape, x, y)
+    if corner == _FACE and shape.is_square and distance < radius:
+        distance, nx, ny = facing_side(shape, x, y)
+    return radius - distance, nx, ny
 
 
 @compiled
@@ -91,7 +88,7 @@ def contact_force(
 @compiled
 def tip_contact(
     law: Record,
-    half_side: float,
+    shape: Shape,
     radius: float,
     tip_x: float,
     tip_y: float,
@@ -104,7 +101,7 @@ def tip_contact(
 
     Args:
         law: record of `ContactConfig`.
-        half_side: of the target [m].
+        shape: of the target.
         radius: of the tip [m].
         tip_x: world position of the tip's centre [m].
         tip_y: likewise.
@@ -114,11 +111,11 @@ def tip_contact(
         target_twist: shape (3,).
 
     """
-    reach = half_side * math.sqrt(2.0) + radius
+    reach = shape.corner_circle + radius
     if math.hypot(tip_x - target_pose[0], tip_y - target_pose[1]) > reach:
         return TipContact(False, 0.0, 0.0, tip_x, tip_y)
     x, y = in_target(target_pose, tip_x, tip_y)
-    depth, normal_u, normal_v = penetration(half_side, radius, law.corner, x, y)
+    depth, normal_u, normal_v = penetration(shape, radius, law.corner, x, y)
     if depth <= 0.0:
         return TipContact(False, 0.0, 0.0, tip_x, tip_y)
     nx, ny = rotated(target_pose[2], normal_u, normal_v)

@@ -32,7 +32,8 @@ from sim.model.robot import (
     robot_model,
     tip_position,
 )
-from sim.model.target import TargetModel, target_model
+from sim.model.shape import Shape
+from sim.model.target import TargetModel, target_model, target_shape
 from sim.plant.chipmunk import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -221,10 +222,8 @@ def _joints(
 
 def _shapes(config: MissionConfig, robot: RobotModel, bodies: list[pymunk.Body]) -> list[pymunk.Shape]:
     """Solid shapes: the target, and what of the robot it may strike besides the tips."""
-    base, arm = config.robot.base, config.robot.arm
-    half_x, half_y, ahead = base.width / 2, base.depth / 2, base.centre_of_mass_ahead
-    corners = [(x, y - ahead) for x, y in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))]
-    shapes = [_solid(pymunk.Poly(bodies[0], corners), _BASE_TYPE)]
+    arm = config.robot.arm
+    shapes = [_solid(_outline(bodies[0], robot.base_shape), _BASE_TYPE)]
     for side in range(2):
         for link in range(JOINTS):
             start = (arm.shoulder_clearance if link == 0 else 0.0) - float(robot.link_centre[link])
@@ -232,7 +231,7 @@ def _shapes(config: MissionConfig, robot: RobotModel, bodies: list[pymunk.Body])
             link_shape = pymunk.Segment(bodies[body_of(side, link)], (0.0, start), (0.0, end), arm.link_radius)
             shapes.append(_solid(link_shape, _ARM_TYPE))
         shapes += _hand_shapes(config, robot, bodies[body_of(side, JOINTS)])
-    target = pymunk.Poly.create_box(bodies[TARGET], (config.target.side, config.target.side))
+    target = _outline(bodies[TARGET], target_shape(config.target))
     target.collision_type = _TARGET_TYPE
     shapes.append(target)
     for shape in shapes:
@@ -246,6 +245,12 @@ def _hand_shapes(config: MissionConfig, robot: RobotModel, body: pymunk.Body) ->
     outline = [(float(x), float(y) + to_hand) for x, y in hand_outline(arm)]
     radius = arm.hand.finger_radius
     return [_solid(pymunk.Segment(body, start, end, radius), _ARM_TYPE) for start, end in pairwise(outline)]
+
+
+def _outline(body: pymunk.Body, shape: Shape) -> pymunk.Shape:
+    if shape.sides == 0:
+        return pymunk.Circle(body, shape.rounding)
+    return pymunk.Poly(body, [(float(x), float(y)) for x, y in shape.vertices[: shape.corners]], radius=shape.rounding)
 
 
 def _solid(shape: pymunk.Shape, kind: int) -> pymunk.Shape:
@@ -331,7 +336,7 @@ def _tip_forces(handle: PymunkHandle, parameters: Record, state: Record) -> bool
         for tip in range(2):
             x, y = tip_position(handle.robot, hand, tip)
             contact = tip_contact(
-                parameters.contact, handle.target.half_side, handle.robot.tip_radius,
+                parameters.contact, handle.target.shape, handle.robot.tip_radius,
                 x, y, pose[body], twist[body], pose[TARGET], twist[TARGET],
             )  # fmt: skip
             state.tip_contact[arm, tip] = contact.touching

@@ -20,13 +20,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
-from sim.config import CornerContact, HandMount, MissionConfig
+from sim.config import HandMount, MissionConfig
 from sim.errors import PlantDiverged
 from sim.model.clearance import initial_base_pose, initial_target_pose
 from sim.model.planar import cross, point_velocity, rotated
 from sim.model.robot import JOINTS, LINKS, RobotModel, initial_joint_angles, robot_model
+from sim.model.shape import surface
 from sim.model.target import TargetModel, in_target, target_model
-from sim.plant.contact import contact_force, penetration, tip_contact
+from sim.plant.contact import contact_force, tip_contact
 from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
 from sim.plant.reduced_model import (
     FREE,
@@ -36,14 +37,13 @@ from sim.plant.reduced_model import (
     set_shape,
     solve_in_place,
 )
-from sim.plant.solid_contact import Solids, depth_in_capsule_side, depth_in_rectangle, solids
-from sim.record import Record, code_of, packed, record_of
+from sim.plant.solid_contact import Solids, depth_in_capsule_side, solids
+from sim.record import Record, packed, record_of
 
 StateArray = np.ndarray[Any, np.dtype[Any]]
 
 _BASE = -1
 """Stands for an arm where a part of the robot is named by its arm and link."""
-_RADIAL = code_of(CornerContact.RADIAL)
 _MOST_PIVOTS = 64
 """Of the search for the joints at their torque limit; a few are enough."""
 _ROUNDED = 1.0 + 1e-12
@@ -580,7 +580,7 @@ def _touch_tips(plant: Record, parameters: Record, arm: int, state: Record) -> b
         offset = plant.robot.tip_offset if tip == 1 else -plant.robot.tip_offset
         dx, dy = rotated(hand[2], offset, 0.0)
         contact = tip_contact(
-            parameters.contact, plant.target.half_side, plant.robot.tip_radius,
+            parameters.contact, plant.target.shape, plant.robot.tip_radius,
             hand[0] + dx, hand[1] + dy, hand, hand_twist, own.target_pose, scratch.target_twist,
         )  # fmt: skip
         if contact.touching:
@@ -632,63 +632,80 @@ def _touch_capsule(
     end_x: float,
     end_y: float,
 ) -> int:
-    """Contact of one capsule of a link or hand: its ends in the square, the square's corners in it; 1 if any."""
-    target, half = plant.own.target_pose, plant.target.half_side
-    reach = math.hypot(end_x - start_x, end_y - start_y) / 2.0 + radius + half * math.sqrt(2.0)
+    """Contact of one capsule of a link or hand: its ends in the target, the target's corners in it; 1 if any."""
+    target, shape = plant.own.target_pose, plant.target.shape
+    reach = math.hypot(end_x - start_x, end_y - start_y) / 2.0 + radius + shape.corner_circle
     if not _within(reach, 0.5 * (start_x + end_x) - target[0], 0.5 * (start_y + end_y) - target[1]):
         return 0
     touching = 0
     for end in range(2):
         x, y = (start_x, start_y) if end == 0 else (end_x, end_y)
         u, v = in_target(target, x, y)
-        depth, normal_u, normal_v = penetration(half, radius, _RADIAL, u, v)
-        if depth > 0.0:
+        distance, normal_u, normal_v = surface(shape, u, v)
+        if distance < radius:
             nx, ny = rotated(target[2], normal_u, normal_v)
-            _press(plant, parameters, arm, link, depth, nx, ny, x - radius * nx, y - radius * ny)
+            _press(plant, parameters, arm, link, radius - distance, nx, ny, x - radius * nx, y - radius * ny)
             touching = 1
-    for corner in range(4):
-        x, y = _target_corner(target, half, corner)
-        depth, nx, ny = depth_in_capsule_side(start_x, start_y, end_x, end_y, radius, x, y)
+    for corner in range(shape.corners):
+        x, y = _corner(shape, target, corner)
+        reach = radius + shape.rounding
+        depth, nx, ny = depth_in_capsule_side(start_x, start_y, end_x, end_y, reach, x, y)
         if depth > 0.0:
-            _press(plant, parameters, arm, link, depth, -nx, -ny, x, y)
+            px, py = x - shape.rounding * nx, y - shape.rounding * ny
+            _press(plant, parameters, arm, link, depth, -nx, -ny, px, py)
             touching = 1
     return touching
 
 
 @compiled
-def _target_corner(target_pose: FloatArray, half_side: float, corner: int) -> tuple[float, float]:
-    """A corner of the target in the world [m]."""
-    x = half_side if corner % 2 == 0 else -half_side
-    y = half_side if corner < 2 else -half_side
-    dx, dy = rotated(target_pose[2], x, y)
-    return target_pose[0] + dx, target_pose[1] + dy
+def _corner(shape: Record, pose: FloatArray, corner: int) -> tuple[float, float]:
+    """A corner of a shape whose frame has that pose, in the world [m]."""
+    dx, dy = rotated(pose[2], shape.vertices[corner, 0], shape.vertices[corner, 1])
+    return pose[0] + dx, pose[1] + dy
 
 
 @compiled
 def _touch_base(plant: Record, parameters: Record, state: Record) -> int:
-    """Contact of the base's rectangle: its corners in the target and the target's in it; 1 if any."""
-    solids, axes, base = plant.solids, plant.scratch.axes, state.base_pose
-    plant.scratch.point[0, :] = base
-    target, half = plant.own.target_pose, plant.target.half_side
+    """Contact of the base: its corners in the target and the target's in it; 1 if any."""
+    plant.scratch.point[0, :] = state.base_pose
+    base, target = plant.robot.base_shape, plant.target.shape
+    pushing = _press_corners(plant, parameters, base, state.base_pose, target, plant.own.target_pose, 1.0)
+    pushed = _press_corners(plant, parameters, target, plant.own.target_pose, base, state.base_pose, -1.0)
+    return max(pushing, pushed)
+
+
+@compiled
+def _press_corners(
+    plant: Record,
+    parameters: Record,
+    shape: Record,
+    pose: FloatArray,
+    other: Record,
+    other_pose: FloatArray,
+    way: float,
+) -> int:
+    """Contacts of the base by the corners of one shape in another; 1 if any.
+
+    Args:
+        plant: record of `PLANT`.
+        parameters: record of the configuration.
+        shape: whose corners.
+        pose: of its frame, shape (3,).
+        other: what they are pushed out of.
+        other_pose: of its frame, shape (3,).
+        way: 1 if the corners are the base's, -1 if they are the target's.
+
+    """
     touching = 0
-    for corner in range(4):
-        u = solids.base_half_x if corner % 2 == 0 else -solids.base_half_x
-        v = (solids.base_half_y if corner < 2 else -solids.base_half_y) - solids.base_ahead
-        x, y = base[0] + axes[0] * u - axes[1] * v, base[1] + axes[1] * u + axes[0] * v
-        u, v = in_target(target, x, y)
-        depth, normal_u, normal_v = depth_in_rectangle(half, half, u, v)
+    for corner in range(shape.corners):
+        x, y = _corner(shape, pose, corner)
+        u, v = in_target(other_pose, x, y)
+        distance, normal_u, normal_v = surface(other, u, v)
+        depth = shape.rounding - distance
         if depth > 0.0:
-            nx, ny = rotated(target[2], normal_u, normal_v)
-            _press(plant, parameters, _BASE, 0, depth, nx, ny, x, y)
-            touching = 1
-    for corner in range(4):
-        x, y = _target_corner(target, half, corner)
-        dx, dy = x - base[0], y - base[1]
-        u, v = axes[0] * dx + axes[1] * dy, -axes[1] * dx + axes[0] * dy + solids.base_ahead
-        depth, normal_u, normal_v = depth_in_rectangle(solids.base_half_x, solids.base_half_y, u, v)
-        if depth > 0.0:
-            nx, ny = axes[0] * normal_u - axes[1] * normal_v, axes[1] * normal_u + axes[0] * normal_v
-            _press(plant, parameters, _BASE, 0, depth, -nx, -ny, x, y)
+            nx, ny = rotated(other_pose[2], normal_u, normal_v)
+            px, py = x - shape.rounding * nx, y - shape.rounding * ny
+            _press(plant, parameters, _BASE, 0, depth, way * nx, way * ny, px, py)
             touching = 1
     return touching
 

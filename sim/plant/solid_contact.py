@@ -1,7 +1,7 @@
-"""Base, links and hands of the robot as solids against the target's square: where they overlap and how deep.
+"""Base, links and hands of the robot as solids against the target: where they overlap and how deep.
 
 A pair of convex solids that overlap by a little does so at corners of one in the other: ends of a capsule in the
-square, corners of the square in a capsule's side, corners of two rectangles in each other.
+target, corners of the target in a capsule's side, corners of base and target in each other.
 """
 
 from __future__ import annotations
@@ -22,8 +22,6 @@ from sim.model.target import TargetModel
 class Solids(NamedTuple):
     """Sizes of the solids, and how near the target's centre must be for a contact."""
 
-    base_half_x: float
-    base_half_y: float
     base_ahead: float
     """Centre of mass of the base ahead of its rectangle's centre [m]."""
     link_radius: float
@@ -46,26 +44,15 @@ def solids(config: MissionConfig, robot: RobotModel, target: TargetModel) -> Sol
     outline = hand_outline(arm)
     hand = max(float(np.hypot(*outline.T).max()) + arm.hand.finger_radius, robot.tip_offset + robot.tip_radius)
     return Solids(
-        base_half_x=base.width / 2,
-        base_half_y=base.depth / 2,
         base_ahead=base.centre_of_mass_ahead,
         link_radius=arm.link_radius,
         link_1_start=arm.shoulder_clearance,
         finger_radius=arm.hand.finger_radius,
         outline=outline,
-        base_reach=math.hypot(base.width, base.depth) / 2 + target.half_diagonal,
-        link_reach=robot.link_length[:JOINTS] / 2 + arm.link_radius + target.half_diagonal,
-        hand_reach=hand + target.half_diagonal,
+        base_reach=math.hypot(base.width, base.depth) / 2 + target.shape.corner_circle,
+        link_reach=robot.link_length[:JOINTS] / 2 + arm.link_radius + target.shape.corner_circle,
+        hand_reach=hand + target.shape.corner_circle,
     )
-
-
-@compiled
-def depth_in_rectangle(half_x: float, half_y: float, x: float, y: float) -> tuple[float, float, float]:
-    """Depth [m] of a point in a rectangle about the origin, and the outward normal of the nearest side."""
-    beyond_x, beyond_y = abs(x) - half_x, abs(y) - half_y
-    if beyond_x >= beyond_y:
-        return -beyond_x, sign(x), 0.0
-    return -beyond_y, 0.0, sign(y)
 
 
 @compiled

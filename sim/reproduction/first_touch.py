@@ -17,7 +17,8 @@ from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.control.admittance import admittance_transition, admitted
 from sim.model.planar import rotated
-from sim.model.target import in_target
+from sim.model.shape import Shape
+from sim.model.target import in_target, target_shape
 from sim.plant.contact import tip_contact
 from sim.record import Record, record_of
 
@@ -121,7 +122,12 @@ def planar_touch(config: MissionConfig, state: TouchState) -> Residual:
     touch = config.published.touch
     transition = admittance_transition(config.published.impedance, _STEP)
     spin, drift, duration = _integrate(
-        record_of(config), transition, touch.admittance_fraction * touch.absorb_time, _STEP, *state
+        record_of(config),
+        target_shape(config.target),
+        transition,
+        touch.admittance_fraction * touch.absorb_time,
+        _STEP,
+        *state,
     )
     return Residual(spin, drift, duration)
 
@@ -129,6 +135,7 @@ def planar_touch(config: MissionConfig, state: TouchState) -> Residual:
 @compiled
 def _integrate(
     parameters: Record,
+    shape: Shape,
     transition: FloatArray,
     patience: float,
     step: float,
@@ -139,7 +146,7 @@ def _integrate(
 ) -> tuple[float, float, float]:
     """Spin [rad/s], drift [m/s] and duration [s] of a touch."""
     target, law = parameters.target, parameters.contact
-    half, radius = 0.5 * target.side, parameters.robot.arm.hand.tip_radius
+    radius = parameters.robot.arm.hand.tip_radius
     hand, pose, twist = hand_start.copy(), target_start.copy(), twist_start.copy()
     velocity, wrench = np.zeros(3), np.zeros(3)
     time = last = 0.0
@@ -147,7 +154,7 @@ def _integrate(
         wrench[:] = 0.0
         for across in tip_across:
             dx, dy = rotated(hand[2], across, 0.0)
-            contact = tip_contact(law, half, radius, hand[0] + dx, hand[1] + dy, hand, velocity, pose, twist)
+            contact = tip_contact(law, shape, radius, hand[0] + dx, hand[1] + dy, hand, velocity, pose, twist)
             if not contact.touching:
                 continue
             last = time

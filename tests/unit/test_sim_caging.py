@@ -14,11 +14,12 @@ from sim.config import MissionConfig
 from sim.model.clearance import hand_outline
 from sim.model.planar import rotated
 from sim.model.robot import robot_model
-from sim.model.target import distance_from_square, in_target
+from sim.model.shape import Shape, signed_distance
+from sim.model.target import in_target, target_shape
 
 CONFIG = MissionConfig()
 ROBOT = robot_model(CONFIG.robot)
-SIDE = CONFIG.target.side
+SQUARE = target_shape(CONFIG.target)
 CAPTURE_DISTANCE = 0.0939
 """x_cap: where the published closing ends, hand centres from the target's centre [m]."""
 DIAGONAL = math.pi / 4
@@ -68,7 +69,7 @@ class TestKnownCases:
     def test_enclosed_at_the_present_angle_is_less_than_caged(self):
         """The paper's test passes where turning still opens a way: a cage at one angle is not a cage."""
         hands = facing(0.11)
-        assert tips_enclose(ROBOT, hands, square(DIAGONAL), SIDE)
+        assert tips_enclose(ROBOT, SQUARE, hands, square(DIAGONAL))
         assert not cage(CONFIG, hands, square(DIAGONAL)).caged
 
 
@@ -112,32 +113,32 @@ class TestMargin:
 
 class TestTipsEnclose:
     def test_a_corner_in_each_hand(self):
-        assert tips_enclose(ROBOT, facing(CAPTURE_DISTANCE), square(DIAGONAL), SIDE)
+        assert tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE), square(DIAGONAL))
 
     @pytest.mark.parametrize("distance", [0.15, 0.2, 0.5])
     def test_not_from_afar(self, distance):
-        assert not tips_enclose(ROBOT, facing(distance), square(DIAGONAL), SIDE)
+        assert not tips_enclose(ROBOT, SQUARE, facing(distance), square(DIAGONAL))
 
     def test_not_a_square_that_lies_flat(self):
-        assert not tips_enclose(ROBOT, facing(CAPTURE_DISTANCE), square(0.0), SIDE)
+        assert not tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE), square(0.0))
 
     def test_not_with_the_target_outside(self):
-        assert not tips_enclose(ROBOT, facing(CAPTURE_DISTANCE), square(DIAGONAL, y=0.3), SIDE)
+        assert not tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE), square(DIAGONAL, y=0.3))
 
     @pytest.mark.parametrize("quarters", [-3, -1, 1, 2])
     def test_quarter_turns_change_nothing(self, quarters):
         turned = square(DIAGONAL + quarters * math.pi / 2)
-        assert tips_enclose(ROBOT, facing(CAPTURE_DISTANCE), turned, SIDE)
+        assert tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE), turned)
 
     @pytest.mark.parametrize("turn_deg", [-44, -20, 20, 44])
     def test_turned_together(self, turn_deg):
         turn = math.radians(turn_deg)
-        assert tips_enclose(ROBOT, facing(CAPTURE_DISTANCE, turn), square(DIAGONAL + turn), SIDE)
+        assert tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE, turn), square(DIAGONAL + turn))
 
     @pytest.mark.parametrize("turn_deg", [-120, -50, 50, 90, 180])
     def test_turned_together_by_more_than_an_eighth(self, turn_deg):
         turn = math.radians(turn_deg)
-        assert tips_enclose(ROBOT, facing(CAPTURE_DISTANCE, turn), square(DIAGONAL + turn), SIDE)
+        assert tips_enclose(ROBOT, SQUARE, facing(CAPTURE_DISTANCE, turn), square(DIAGONAL + turn))
 
 
 class TestSoundness:
@@ -176,11 +177,11 @@ def escapes(hands, target, seed: int) -> bool:
     outline = hand_outline(CONFIG.robot.arm)
     points = np.array([[np.array(rotated(pose[2], *p)) + pose[:2] for p in outline] for pose in hands])
     finger, tip = CONFIG.robot.arm.hand.finger_radius, CONFIG.robot.arm.hand.tip_radius
-    return bool(_explored(points, finger, tip, SIDE / 2, target.astype(float), seed))
+    return bool(_explored(points, finger, tip, SQUARE, target.astype(float), seed))
 
 
 @compiled
-def _explored(points: FloatArray, finger: float, tip: float, half_side: float, start: FloatArray, seed: int) -> bool:
+def _explored(points: FloatArray, finger: float, tip: float, shape: Shape, start: FloatArray, seed: int) -> bool:
     np.random.seed(seed)
     pose = start.copy()
     middle_x, middle_y = points[:, :, 0].mean(), points[:, :, 1].mean()
@@ -190,8 +191,8 @@ def _explored(points: FloatArray, finger: float, tip: float, half_side: float, s
             following = pose.copy()
             following[0] += STRIDE * math.cos(heading)
             following[1] += STRIDE * math.sin(heading)
-            following[2] += spin * STRIDE / half_side
-            if not _free(points, finger, tip, half_side, following):
+            following[2] += spin * STRIDE / shape.corner_circle
+            if not _free(points, finger, tip, shape, following):
                 break
             pose = following
         if math.hypot(pose[0] - middle_x, pose[1] - middle_y) > AWAY:
@@ -200,18 +201,18 @@ def _explored(points: FloatArray, finger: float, tip: float, half_side: float, s
 
 
 @compiled
-def _free(points: FloatArray, finger: float, tip: float, half_side: float, pose: FloatArray) -> bool:
+def _free(points: FloatArray, finger: float, tip: float, shape: Shape, pose: FloatArray) -> bool:
     """Whether a square overlaps neither tips nor fingers: capsules along the outline, exact at corners and sides."""
     for hand in range(points.shape[0]):
         for end in (0, points.shape[1] - 1):
             x, y = in_target(pose, points[hand, end, 0], points[hand, end, 1])
-            if distance_from_square(half_side, x, y) < tip:
+            if signed_distance(shape, x, y) < tip:
                 return False
         for place in range(points.shape[1] - 1):
             ax, ay = in_target(pose, points[hand, place, 0], points[hand, place, 1])
             bx, by = in_target(pose, points[hand, place + 1, 0], points[hand, place + 1, 1])
             for part in range(33):
                 x, y = ax + part / 32 * (bx - ax), ay + part / 32 * (by - ay)
-                if distance_from_square(half_side, x, y) < finger:
+                if signed_distance(shape, x, y) < finger:
                     return False
     return True

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from sim.config import MissionConfig
+from sim.config import MissionConfig, TargetShape
 from sim.configurations import NAMED_CONFIGURATIONS
-from sim.model.clearance import corner_inside, hand_outline, initial_overlap
+from sim.model.clearance import corner_overlap, corners_overlap, hand_outline, initial_overlap
+from sim.model.shape import circle, rectangle
 
 
 def placed(**target) -> MissionConfig:
@@ -55,11 +56,36 @@ def test_a_small_target_in_the_middle_of_the_base_overlaps_it():
     assert initial_overlap(placed(side=0.02, initial_x=0.0, initial_y=0.0))[0] == "base"
 
 
-def test_corner_inside_sees_one_corner_of_the_first_only():
-    small, large = np.array([0.5, 0.5, math.pi / 4]), np.zeros(3)
-    assert corner_inside(small, 0.1, 0.1, large, 0.4, 0.6)
-    assert not corner_inside(large, 0.4, 0.6, small, 0.1, 0.1)
-    assert not corner_inside(np.array([2.0, 0.0, 0.0]), 0.1, 0.1, large, 0.4, 0.6)
+def test_corner_overlap_is_about_the_corners_of_the_first_only():
+    small, large = rectangle(0.2, 0.2), rectangle(0.8, 1.2)
+    small_pose, large_pose = np.array([0.5, 0.5, math.pi / 4]), np.zeros(3)
+    assert corner_overlap(small, small_pose, large, large_pose) == pytest.approx(0.1 * math.sqrt(2.0) - 0.1)
+    assert corner_overlap(large, large_pose, small, small_pose) < 0.0
+    assert corners_overlap(large, large_pose, small, small_pose)
+    assert corner_overlap(small, np.array([2.0, 0.0, 0.0]), large, large_pose) == -math.inf
+
+
+def test_a_circle_overlaps_by_its_radius():
+    disc, plate = circle(0.1), rectangle(0.8, 1.2)
+    assert corner_overlap(disc, np.array([0.48, 0.3, 1.0]), plate, np.zeros(3)) == pytest.approx(0.02)
+    assert corners_overlap(disc, np.array([0.459, 0.679, 0.0]), plate, np.zeros(3))  # 0.098 from the corner
+    assert not corners_overlap(disc, np.array([0.461, 0.681, 0.0]), plate, np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("target", "part"),
+    [
+        ({"shape": TargetShape.CIRCLE, "radius": 0.12, "initial_y": 0.2}, None),
+        ({"shape": TargetShape.CIRCLE, "radius": 0.125, "initial_y": 0.2}, "base"),
+        ({"shape": TargetShape.RECTANGLE, "width": 0.1, "depth": 0.24, "initial_y": 0.2}, None),
+        ({"shape": TargetShape.RECTANGLE, "width": 0.1, "depth": 0.25, "initial_y": 0.2}, "base"),
+        ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.119, "initial_y": 0.2}, None),
+        ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.121, "initial_y": 0.2}, "base"),
+    ],
+)
+def test_any_shape_is_held_against_the_robot(target, part):
+    found = initial_overlap(placed(**target))
+    assert (None if found is None else found[0]) == part
 
 
 def test_hand_is_a_u_between_its_tips():

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
+from sim.config import PARAMETERS, MissionConfig, TargetShape, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, nested, revised
 from sim.errors import ConfigError
 from sim.model.inertia import outlines
@@ -115,13 +115,19 @@ class TestRefusal:
     )
     def test_of_a_target_whose_inertia_no_body_of_its_size_can_have(self, changes):
         with pytest.raises(
-            ConfigError, match=r"target\.inertia = .* at most .* kg m2, with all of its mass in its corners"
+            ConfigError, match=r"target\.inertia = .* at most .* kg m2, with all of its mass as far out as it reaches"
         ):
             revised(MissionConfig(), {"target": changes})
 
     @pytest.mark.parametrize("changes", [{"inertia": 0.0264}, {"inertia": 1e-4}, {"side": 0.1}, {"mass": 0.9}])
     def test_of_no_target_that_there_can_be(self, changes):
         assert revised(MissionConfig(), {"target": changes}).target
+
+    @pytest.mark.parametrize("shape", [shape for shape in TargetShape if shape is not TargetShape.SQUARE])
+    def test_of_a_target_that_the_method_cannot_capture(self, shape):
+        with pytest.raises(ConfigError, match=rf"target\.shape = {shape}: method = published .* square") as refusal:
+            revised(MissionConfig(), {"target": {"shape": shape.value}})
+        assert "target.shape = square" in refusal.value.tip
 
     @pytest.mark.parametrize("body", outlines(MissionConfig()), ids=lambda body: body.group)
     def test_of_an_inertia_that_no_body_of_its_size_can_have(self, body):

@@ -11,10 +11,13 @@ from hypothesis import strategies as st
 
 from sim.config import ContactConfig, CornerContact
 from sim.model.planar import rotated
+from sim.model.shape import circle, rectangle, regular_polygon, surface
 from sim.plant.contact import penetration, tip_contact
 from sim.record import code_of, record_of
 
 HALF, RADIUS = 0.075, 0.015
+SQUARE = rectangle(2 * HALF, 2 * HALF)
+OTHERS = (rectangle(0.2, 0.1), regular_polygon(6, 0.08), circle(0.075))
 FACE, RADIAL = code_of(CornerContact.FACE), code_of(CornerContact.RADIAL)
 ROUNDING = 1e-12
 compiling = settings(deadline=None)  # the first example may compile
@@ -27,7 +30,7 @@ def touched(*, tip, hand_twist=(0.0, 0.0, 0.0), target_pose=(0.0, 0.0, 0.0), tar
     record = record_of(ContactConfig(**law))
     hand_pose = np.array([*tip, 0.0])
     arrays = [np.array(values, dtype=float) for values in (hand_twist, target_pose, target_twist)]
-    return tip_contact(record, HALF, RADIUS, float(tip[0]), float(tip[1]), hand_pose, *arrays)
+    return tip_contact(record, SQUARE, RADIUS, float(tip[0]), float(tip[1]), hand_pose, *arrays)
 
 
 class TestPenetration:
@@ -37,21 +40,21 @@ class TestPenetration:
         [((0.085, 0.02), (1, 0)), ((-0.085, 0.02), (-1, 0)), ((0.02, 0.085), (0, 1)), ((-0.02, -0.085), (0, -1))],
     )
     def test_beside_a_face(self, corner, point, normal):
-        depth, *found = penetration(HALF, RADIUS, corner, *point)
+        depth, *found = penetration(SQUARE, RADIUS, corner, *point)
         assert depth == pytest.approx(0.005)
         assert found == list(normal)
 
     @pytest.mark.parametrize("corner", [FACE, RADIAL])
     def test_beyond_reach_of_a_corner_there_is_none(self, corner):
-        assert penetration(HALF, RADIUS, corner, HALF + 0.012, HALF + 0.012)[0] <= 0.0
+        assert penetration(SQUARE, RADIUS, corner, HALF + 0.012, HALF + 0.012)[0] <= 0.0
 
     def test_beside_a_corner_the_face_formula_takes_the_face_penetrated_least(self):
-        depth, *normal = penetration(HALF, RADIUS, FACE, HALF + 0.010, HALF + 0.004)
+        depth, *normal = penetration(SQUARE, RADIUS, FACE, HALF + 0.010, HALF + 0.004)
         assert depth == pytest.approx(RADIUS - 0.010)
         assert normal == [1.0, 0.0]
 
     def test_beside_a_corner_the_radial_formula_points_from_the_corner(self):
-        depth, *normal = penetration(HALF, RADIUS, RADIAL, -HALF - 0.006, HALF + 0.008)
+        depth, *normal = penetration(SQUARE, RADIUS, RADIAL, -HALF - 0.006, HALF + 0.008)
         assert depth == pytest.approx(RADIUS - 0.010)
         assert normal == pytest.approx([-0.6, 0.8])
 
@@ -63,17 +66,41 @@ class TestPenetration:
 
         def at(turn):
             return np.array(
-                penetration(HALF, RADIUS, RADIAL, HALF + distance * math.cos(turn), HALF + distance * math.sin(turn))
+                penetration(SQUARE, RADIUS, RADIAL, HALF + distance * math.cos(turn), HALF + distance * math.sin(turn))
             )
 
         outside = math.cos(angle) > 1e-6 or math.sin(angle) > 1e-6
         assume(outside)
         assert np.abs(at(angle + step) - at(angle)).max() < 1e-6
 
+    @compiling
+    @given(st.sampled_from(OTHERS), st.floats(-0.15, 0.15), st.floats(-0.15, 0.15))
+    def test_any_other_shape_is_rounded_cleanly_whatever_the_choice(self, shape, x, y):
+        distance, *normal = surface(shape, x, y)
+        for corner in (FACE, RADIAL):
+            assert penetration(shape, RADIUS, corner, x, y) == (RADIUS - distance, *normal)
+
+    @compiling
+    @given(st.floats(-HALF - RADIUS, HALF + RADIUS), st.floats(-HALF - RADIUS, HALF + RADIUS))
+    def test_the_face_formula_is_the_authors(self, x, y):
+        """Within a tip radius of a square the face penetrated least, as if it went on; radial farther away."""
+        beyond_x, beyond_y = abs(x) - HALF, abs(y) - HALF
+        assume(abs(beyond_x - beyond_y) > 1e-12)
+        depth, nx, ny = penetration(SQUARE, RADIUS, FACE, x, y)
+        outside = math.hypot(max(beyond_x, 0.0), max(beyond_y, 0.0))
+        if outside >= RADIUS:
+            assert depth <= 0.0
+        else:
+            assert depth == RADIUS - max(beyond_x, beyond_y)
+            assert abs(nx) == float(beyond_x > beyond_y)
+            assert abs(ny) == float(beyond_y > beyond_x)
+            assert nx * x >= 0.0
+            assert ny * y >= 0.0
+
     def test_the_face_formula_jumps_at_a_corner(self):
         """The documented exception: a hair to one side of the diagonal the normal is another."""
-        one = penetration(HALF, RADIUS, FACE, HALF + 0.005 + 1e-9, HALF + 0.005)
-        other = penetration(HALF, RADIUS, FACE, HALF + 0.005, HALF + 0.005 + 1e-9)
+        one = penetration(SQUARE, RADIUS, FACE, HALF + 0.005 + 1e-9, HALF + 0.005)
+        other = penetration(SQUARE, RADIUS, FACE, HALF + 0.005, HALF + 0.005 + 1e-9)
         assert one[1:] == (1.0, 0.0)
         assert other[1:] == (0.0, 1.0)
 
@@ -81,9 +108,9 @@ class TestPenetration:
     @given(near_the_target, near_the_target, st.sampled_from([FACE, RADIAL]))
     def test_normal_is_a_unit_vector_and_the_square_symmetric(self, x, y, corner):
         assume(abs(abs(x) - abs(y)) > 1e-9)
-        depth, nx, ny = penetration(HALF, RADIUS, corner, x, y)
+        depth, nx, ny = penetration(SQUARE, RADIUS, corner, x, y)
         assert math.hypot(nx, ny) == pytest.approx(1.0)
-        mirrored = penetration(HALF, RADIUS, corner, -x, y)
+        mirrored = penetration(SQUARE, RADIUS, corner, -x, y)
         assert mirrored[0] == depth
         if abs(x) > 1e-9:
             assert mirrored[1:] == pytest.approx((-nx, ny), abs=ROUNDING)
@@ -140,7 +167,7 @@ class TestForce:
             tip=(x, y), hand_twist=(vx, vy, 0.0), target_twist=(0.0, 0.0, spin), corner=corner, friction=friction
         )
         assume(contact.touching)
-        _, nx, ny = penetration(HALF, RADIUS, FACE if corner == "face" else RADIAL, x, y)
+        _, nx, ny = penetration(SQUARE, RADIUS, FACE if corner == "face" else RADIAL, x, y)
         normal = contact.force_x * nx + contact.force_y * ny
         sliding = -contact.force_x * ny + contact.force_y * nx
         assert normal >= 0.0

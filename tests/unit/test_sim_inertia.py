@@ -5,18 +5,33 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.config import MissionConfig
 from sim.configurations import NAMED_CONFIGURATIONS
 from sim.model.inertia import Outline, outlines
 
 
 def _outline(behind: float, ahead: float, half_width: float) -> Outline:
-    return Outline("base", "robot.base", "", (), behind, ahead, half_width, 2.0, 0.1)
+    return Outline("base", "robot.base", "", (), behind, ahead, half_width, 2.0, 0.1, 0.03)
 
 
-def test_a_square_has_half_of_mass_times_side_squared_at_most_and_a_sixth_if_it_is_even():
-    square = _outline(0.15, 0.15, 0.15)
-    assert square.most == pytest.approx(2.0 * 0.3**2 / 2.0)
-    assert square.even_plate == pytest.approx(2.0 * 0.3**2 / 6.0)
+@pytest.mark.parametrize(
+    ("target", "most", "even_plate"),
+    [
+        ({"side": 0.3}, 0.3**2 / 2, 0.3**2 / 6),
+        ({"shape": "rectangle", "width": 0.3, "depth": 0.2}, 0.13 / 4, 0.13 / 12),
+        ({"shape": "circle", "radius": 0.2}, 0.2**2, 0.2**2 / 2),
+        ({"shape": "regular_polygon", "sides": 6, "side": 0.2}, 0.2**2, 0.2**2 * 5 / 12),
+        ({"shape": "regular_polygon", "sides": 3, "side": 0.2}, 0.2**2 / 3, 0.2**2 / 12),
+    ],
+)
+def test_a_kilogram_of_target_has_that_much_at_most_and_if_it_is_even(target, most, even_plate):
+    found = outlines(MissionConfig.model_validate({"target": {"mass": 2.0, **target}}))[0]
+    assert (found.most, found.even_plate) == pytest.approx((2.0 * most, 2.0 * even_plate))
+
+
+def test_an_even_base():
+    base = outlines(MissionConfig())[1]
+    assert base.even_plate == pytest.approx(8.3084 * (0.32**2 + 0.16**2) / 12.0)
 
 
 def test_two_masses_at_the_ends_of_a_thin_rod_reach_the_most():

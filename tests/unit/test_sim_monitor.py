@@ -25,12 +25,13 @@ from sim.control.memory import MEMORY
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.model.clearance import initial_base_pose
 from sim.model.robot import chain, initial_joint_angles, robot_model
+from sim.model.target import target_shape
 from sim.plant.plant import PLANT_STATE
 from sim.record import record_of
 from sim.snapshot import Outcome, OutcomeClass
 
 CONFIG = MissionConfig()
-ROBOT = robot_model(CONFIG.robot)
+ROBOT, SHAPE = robot_model(CONFIG.robot), target_shape(CONFIG.target)
 GAP = CONFIG.judging.touch_gap
 CAGED, FREE = Cage(caged=True, margin=0.006), Cage(caged=False, margin=-0.01)
 
@@ -58,7 +59,7 @@ class Bench:
         for name, value in state.items():
             self.state[name] = value
         links = chain(ROBOT, self.state["base_pose"], self.state["joint_angle"], self.state["mount_angle"])
-        watch(self.monitor, self.memory, self.parameters, ROBOT, self.state, links)
+        watch(self.monitor, self.memory, self.parameters, ROBOT, SHAPE, self.state, links)
 
     def close_the_hands(self) -> None:
         """Put the target, a corner in each hand, between hands that have closed on it."""
@@ -313,4 +314,4 @@ class TestOutcome:
 def test_overlap_with_the_base(pose, overlap):
     bench = Bench()
     bench.state["target_pose"] = pose
-    assert overlaps_base(bench.parameters, bench.state) == overlap
+    assert overlaps_base(ROBOT, SHAPE, bench.state) == overlap

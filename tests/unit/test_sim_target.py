@@ -1,4 +1,4 @@
-"""The square: a point in its frame, and its distance."""
+"""The target: its configured shape, and a point in its frame."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.config import TargetConfig
+from sim.config import TargetConfig, TargetShape
 from sim.model.planar import rotated
-from sim.model.target import distance_from_square, in_target, target_model
+from sim.model.shape import signed_distance
+from sim.model.target import SIZES, in_target, target_model, target_shape
 
-HALF = 0.075
+AXES = (((1.0, 0.0), (-1.0, 0.0)), ((0.0, 1.0), (0.0, -1.0)))
 coordinates = st.floats(-0.5, 0.5)
 compiling = settings(deadline=None)  # the first example may compile
 
@@ -27,28 +28,31 @@ def test_in_target_undoes_the_targets_pose(x, y, angle):
 
 
 @pytest.mark.parametrize(
-    ("point", "distance"),
+    ("target", "extents"),
     [
-        ((0.0, 0.0), -HALF),
-        ((HALF, 0.0), 0.0),
-        ((0.1, 0.02), 0.025),
-        ((-0.02, -0.1), 0.025),
-        ((HALF + 0.03, HALF + 0.04), 0.05),
-        ((0.07, 0.0), -0.005),
+        ({"side": 0.12}, (0.12, 0.12)),
+        ({"shape": TargetShape.RECTANGLE, "width": 0.3, "depth": 0.1}, (0.3, 0.1)),
+        ({"shape": TargetShape.CIRCLE, "radius": 0.08}, (0.16, 0.16)),
+        ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.1}, (0.1 * math.sqrt(3.0), 0.2)),
+        ({"shape": TargetShape.REGULAR_POLYGON, "sides": 8, "side": 0.1}, (0.1 * (1.0 + math.sqrt(2.0)),) * 2),
     ],
-    ids=["centre", "on a face", "beside a face", "below a face", "beyond a corner", "just inside"],
 )
-def test_distance(point, distance):
-    assert distance_from_square(HALF, *point) == pytest.approx(distance)
+def test_a_configured_shape_has_its_extents(target, extents):
+    shape = target_model(TargetConfig(**target)).shape
+    reach = np.array([[-signed_distance(shape, 9.0 * x, 9.0 * y) + 9.0 for x, y in axes] for axes in AXES])
+    assert reach.sum(axis=1) == pytest.approx(extents)
 
 
-@compiling
-@given(coordinates, coordinates, st.floats(-1e-3, 1e-3), st.floats(-1e-3, 1e-3))
-def test_distance_is_the_same_on_every_side_and_never_outruns_the_point(x, y, dx, dy):
-    here = distance_from_square(HALF, x, y)
-    assert distance_from_square(HALF, -y, x) == pytest.approx(here, abs=1e-15)
-    assert abs(distance_from_square(HALF, x + dx, y + dy) - here) <= math.hypot(dx, dy) + 1e-15
+@pytest.mark.parametrize("shape", TargetShape)
+def test_the_sizes_of_a_shape_are_what_it_follows_from(shape):
+    config = TargetConfig(shape=shape)
+    original = target_shape(config).corner_circle
+    for name in ("side", "width", "depth", "sides", "radius"):
+        changed = config.model_copy(update={name: getattr(config, name) + 1})
+        assert (target_shape(changed).corner_circle != original) == (name in SIZES[shape])
 
 
-def test_half_diagonal():
-    assert target_model(TargetConfig()).half_diagonal == pytest.approx(0.075 * math.sqrt(2.0))
+@pytest.mark.parametrize("shape", TargetShape)
+def test_the_configuration_knows_how_far_its_shape_reaches(shape):
+    config = TargetConfig(shape=shape)
+    assert config.reach == pytest.approx(target_shape(config).corner_circle)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
-from sim.parameters import ConfigModel, Number, parameter
+from sim.parameters import ConfigModel, MethodConfig, Number, parameter
 
 
 class ImpedanceConfig(ConfigModel):
@@ -157,8 +158,11 @@ class CagingConfig(ConfigModel):
     )
 
 
-class PublishedConfig(ConfigModel):
+class PublishedConfig(MethodConfig):
     """Detumbling by absorbed touches, then caging (Uchida, Uno, Yoshida 2024)."""
+
+    target_shapes: ClassVar = ("square",)
+    why_these_shapes: ClassVar = "its plans wait for a square's corner to pass, every quarter turn"
 
     impedance: ImpedanceConfig = ImpedanceConfig()
     touch: TouchConfig = TouchConfig()

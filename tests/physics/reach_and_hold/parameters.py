@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from sim.parameters import ConfigModel, Number, parameter
+from sim.parameters import MethodConfig, Number, parameter
 
 
-class ReachAndHoldConfig(ConfigModel):
+class ReachAndHoldConfig(MethodConfig):
     """How far, and how long."""
 
     distance: Number = parameter(0.03, "Way of each hand, back along its axis", unit="m", source="chosen", gt=0, le=0.1)
