@@ -15,7 +15,7 @@ from server.pages.console import STATIC
 from server.process.data_folder import require_free
 from server.settings import Chosen, Settings
 from server.versions import becalm_version
-from sim.claim import has_locks
+from sim.file_lock import supports_locks
 
 DEFAULT = "default"
 
@@ -41,7 +41,7 @@ def checked(chosen: Chosen) -> dict[str, Any]:
         "address": url,
         "console": (STATIC / "index.html").exists(),
         "tokens_required": settings.tokens_required,
-        "locks": has_locks(there),
+        "locks": supports_locks(there),
         "settings": settings.model_dump(mode="json"),
         "sources": {name: chosen.sources.get(name, DEFAULT) for name in Settings.model_fields},
     }

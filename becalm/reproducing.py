@@ -25,7 +25,7 @@ from sim.reproduction.findings import Captures, Reproduction, findings, reproduc
 from sim.study.design import Study
 from sim.study.executors import local_workers
 from sim.study.export import TableFormat, export
-from sim.study.flight import Flight
+from sim.study.flight import StudyFlight
 from sim.study.run import Row
 from sim.study.table import StudyTable, fingerprint
 from sim.tabular import csv_header, csv_rows
@@ -112,7 +112,7 @@ def _rows(folder: Folder, study: Study, workers: int) -> Sequence[Row]:
 
 
 def _fly(table: StudyTable, workers: int) -> None:
-    flight, show = Flight(table), show_progress()
+    flight, show = StudyFlight(table), show_progress()
     try:
         flight.fly(local_workers(workers), on_row=lambda _: show(flight.progress))
     except KeyboardInterrupt:

@@ -19,8 +19,8 @@ from sim.study.cores import cores
 from sim.study.design import Study, altered, read_study
 from sim.study.executors import Workers, local_workers
 from sim.study.export import TableFormat, export
-from sim.study.flight import MANY_CELLS, Flight, Progress, flight_time, in_words
-from sim.study.outcome_frequencies import OutcomeShare, outcome_shares
+from sim.study.flight import MANY_CELLS, Progress, StudyFlight, flight_time, in_words
+from sim.study.outcome_frequencies import OutcomeFrequency, outcome_frequencies
 from sim.study.summaries import MeasureSummary, measure_summaries
 from sim.study.table import StudyTable
 
@@ -43,7 +43,7 @@ class Output(NamedTuple):
         return self.path.with_name(self.path.name + ".unfinished")
 
 
-class Report(NamedTuple):
+class StudyReport(NamedTuple):
     """What a study that is whole has to tell besides its table."""
 
     study: Study
@@ -55,7 +55,7 @@ class Report(NamedTuple):
     """When the last cell had ended."""
     failures: list[str]
     """Why cells have no outcome."""
-    shares: list[OutcomeShare]
+    frequencies: list[OutcomeFrequency]
     measures: list[MeasureSummary]
     """Of a study that is a sample."""
     agreements: list[Agreement] | None
@@ -117,7 +117,7 @@ def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
     return cluster_workers(scheduler)
 
 
-def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, replace: bool) -> Report:
+def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, replace: bool) -> StudyReport:
     """Fly the cells that are missing, write the table, and tell what came out; progress goes to standard error.
 
     Args:
@@ -136,7 +136,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
     """
     if output.path.exists() and not replace:
         raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to start over")
-    with StudyTable(output.unfinished, study, anew=replace) as table:
+    with StudyTable(output.unfinished, study, replace=replace) as table:
         click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
         prepare(study.base.simulation.engine)
         resumed = len(table)
@@ -146,14 +146,14 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
             _ask(study, study.count - resumed, workers)
         progress = _fly_missing(table, workers)
         export(table, output.path, output.table_format)
-        report = Report(
+        report = StudyReport(
             study=study,
             output=output,
             workers=workers,
             resumed=resumed,
             progress=progress,
             failures=[row["error"] for row in table.rows() if row["error"] is not None],
-            shares=outcome_shares(study, table.rows()),
+            frequencies=outcome_frequencies(study, table.rows()),
             measures=measure_summaries(study, table.rows()),
             agreements=agreement(table.rows()) if is_comparable(study) else None,
         )
@@ -163,7 +163,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
 
 def _fly_missing(table: StudyTable, workers: Workers) -> Progress:
     """Fly the cells without a row."""
-    flight = Flight(table)
+    flight = StudyFlight(table)
     show = show_progress()
     try:
         flight.fly(workers, on_row=lambda _: show(flight.progress))
@@ -210,14 +210,14 @@ def show_progress() -> Callable[[Progress], None]:
     return show
 
 
-def as_document(report: Report) -> dict[str, Any]:
+def as_document(report: StudyReport) -> dict[str, Any]:
     """What `becalm study --json` prints."""
     return {
         "study": report.study.definition(),
         "cells": report.study.count,
         "resumed": report.resumed,
         "failed": len(report.failures),
-        "outcomes": [share.model_dump() for share in report.shares],
+        "outcomes": [frequency.model_dump() for frequency in report.frequencies],
         "measures": [measure.model_dump() for measure in report.measures],
         "agreement": None if report.agreements is None else [table.model_dump() for table in report.agreements],
         "workers": report.workers.count,
@@ -229,14 +229,14 @@ def as_document(report: Report) -> dict[str, Any]:
     }
 
 
-def as_text(report: Report) -> str:
+def as_text(report: StudyReport) -> str:
     """What `becalm study` prints."""
     progress = report.progress
     lines = [
         f"Study {report.study.name}: {report.study.count} cells, {report.flown} flown in "
         f"{in_words(progress.wall_time)} by {report.workers.words} ({progress.cells_per_second or 0.0:.1f} a second)",
         "",
-        *map(_share_line, report.shares),
+        *map(_frequency_line, report.frequencies),
         *_failure_lines(report.failures),
     ]
     if report.measures:
@@ -248,9 +248,9 @@ def as_text(report: Report) -> str:
     return "\n".join([*lines, "", f"Wrote {report.output.path}"])
 
 
-def _share_line(share: OutcomeShare) -> str:
-    interval = "" if share.low is None else f"   95 %: {share.low:.1%} to {share.high:.1%}"
-    return f"  {share.outcome:<26}{share.cells:>7}{share.share:>8.1%}{interval}"
+def _frequency_line(frequency: OutcomeFrequency) -> str:
+    interval = "" if frequency.low is None else f"   95 %: {frequency.low:.1%} to {frequency.high:.1%}"
+    return f"  {frequency.outcome:<26}{frequency.cells:>7}{frequency.share:>8.1%}{interval}"
 
 
 def _measure_line(summary: MeasureSummary) -> str:

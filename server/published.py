@@ -7,13 +7,13 @@ from typing import Literal
 from pydantic import Field
 
 from sim.capture.events import Severity
-from sim.snapshot import Published, Snapshot
+from sim.snapshot import FrozenMessage, Snapshot
 
 ArmedCommand = Literal["capture", "detumble", "cage", "direct_cage", "release", "reset", "configure"]
 """What may be armed: it moves the robot, or takes it for another mission."""
 
 
-class PlantStatus(Published):
+class PlantStatus(FrozenMessage):
     """The plant and its clock."""
 
     kind: Literal["simulation", "zenoh"] = "simulation"
@@ -23,7 +23,7 @@ class PlantStatus(Published):
     real_time_factor: float = Field(description="Simulated seconds in the last second")
 
 
-class RobotData(Published):
+class RobotData(FrozenMessage):
     """Age of what the robot reported, when the snapshot is made."""
 
     silent_for: float | None = Field(description="Since its joints were last heard [s]; null before the first time")
@@ -31,7 +31,7 @@ class RobotData(Published):
     stream: str = Field(description="Which one that is")
 
 
-class Control(Published):
+class Control(FrozenMessage):
     """Who may command the mission now."""
 
     holder: str | None = Field(None, description="Name of the operator in control; null while nobody is")
@@ -39,7 +39,7 @@ class Control(Published):
     offered_to: str | None = Field(None, description="Name of who may take it over now; null without an offer")
 
 
-class Armed(Published):
+class Armed(FrozenMessage):
     """A command that its next request will carry out, as everyone sees it: without its token."""
 
     command: ArmedCommand
@@ -47,7 +47,7 @@ class Armed(Published):
     expires_in: float = Field(description="Until it is taken back [s]")
 
 
-class Problem(Published):
+class Problem(FrozenMessage):
     """Something that the operator must see, and what to do about it."""
 
     severity: Severity

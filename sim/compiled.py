@@ -19,20 +19,20 @@ import numpy as np
 import platformdirs
 
 FloatArray = np.ndarray[Any, np.dtype[np.float64]]
-"""Double-precision array; the docstring of what takes or gives it tells its shape."""
+"""Double-precision array; the docstring of the function that takes or returns it says its shape."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
 _ABOVE = ("study", "reproduction")
-"""The rooms that nothing compiled calls into: their own few functions numba looks at by itself."""
+"""The packages that no compiled code calls into; numba tracks their own few functions itself."""
 
 
 def cache_folder() -> Path:
-    """Where compiled code of these sources lies: under NUMBA_CACHE_DIR, else the platform's cache folder.
+    """Where the compiled code of these sources is kept: under NUMBA_CACHE_DIR, else the platform's cache folder.
 
-    A user without a home, or with one that cannot be written, has a folder of their own among the temporary ones.
+    A user whose home is missing or read-only gets a folder of their own in the temporary directory.
     """
     room = Path(__file__).parent
     digest = hashlib.sha256()
@@ -44,7 +44,7 @@ def cache_folder() -> Path:
 
 
 def _users_folder() -> str | None:
-    """The platform's cache folder, if this user has one that can be written."""
+    """The platform's cache folder, if this user can write to it."""
     try:
         folder = platformdirs.user_cache_dir("becalm")
         os.makedirs(folder, exist_ok=True)
@@ -54,7 +54,7 @@ def _users_folder() -> str | None:
 
 
 def _temporary_folder() -> str:
-    """One that nobody else can put code into, for it is run; for every process of this user, if that can be."""
+    """A folder that only this user can write to, since its code is run; shared by their processes if possible."""
     folder = Path(tempfile.gettempdir(), f"becalm-compiled-{os.getuid()}")
     try:
         folder.mkdir(mode=0o700, exist_ok=True)

@@ -208,7 +208,7 @@ class ServoConfig(ConfigModel):
         1.0e-3,
         "First-order time constant of the rate loop, and its compliance to contact forces",
         unit="s",
-        source="authors' step of 1 ms seen as physics; gives the direct run's peak of 1.13 N",
+        source="authors' step of 1 ms taken as physics; gives the direct run's peak of 1.13 N",
         ge=0,
         le=0.1,
     )
@@ -393,7 +393,7 @@ def _noise(quantity: str, unit: str, most: float) -> Any:
 
 
 class NoiseConfig(ConfigModel):
-    """White Gaussian noise in what the controller sees, every tick anew (`sim.perception`)."""
+    """White Gaussian noise in what the controller perceives, drawn again every tick (`sim.perception`)."""
 
     position: Number = _noise("positions of base and target", "m", 1)
     angle: Number = _noise("angles of base and target", "rad", 3)

@@ -38,13 +38,13 @@ MOST_CHANGES = 4 * len(PARAMETERS)
 """Names that one nested mapping of changes may hold, groups included."""
 
 DEEPEST_CHANGE = 8
-"""Levels that it may have; the parameters have four."""
+"""Levels that it may have; parameters have four."""
 
 LONGEST_NAME = 100
-"""Characters of a name that are looked at, and repeated in a message."""
+"""Characters of a name that are compared, and repeated in a message."""
 
 MOST_FINDINGS = 8
-"""Values that a message tells of; it says how many more there are."""
+"""Findings that a message lists; it says how many more there are."""
 
 
 def _printed() -> MissionConfig:
@@ -111,7 +111,7 @@ def nested(paths: Mapping[str, Any]) -> dict[str, Any]:
     """Full paths to values, as the nested mapping that the models read.
 
     Raises:
-        ConfigError: a value stands in the place of a group.
+        ConfigError: a value is given for a group.
 
     """
     tree: dict[str, Any] = {}
@@ -130,7 +130,7 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
     """A copy of the configuration with a nested mapping of changes applied and checked as a whole.
 
     Raises:
-        ConfigError: a field that does not exist, a value out of bounds, parts that do not fit, or more than may be.
+        ConfigError: a field that does not exist, a value out of bounds, parts that do not fit, or too many changes.
 
     """
     require_bounded(changes)
@@ -151,10 +151,10 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
 
 
 def require_bounded(changes: Mapping[str, Any]) -> None:
-    """Refuse changes of more names, or of more levels, than there can be: to explain each takes time.
+    """Refuse changes of more names or levels than parameters have: explaining each takes time.
 
     Raises:
-        ConfigError: the message tells the bound.
+        ConfigError: the message names the bound.
 
     """
     level: list[Any] = [changes]

@@ -1,14 +1,14 @@
 """What can go wrong in a capture.
 
 CaptureError
-├── ConfigError        a configuration that cannot be (REST 422, exit 2)
+├── ConfigError        an invalid configuration (REST 422, exit 2)
 ├── MissionRefused     a request that the phase does not allow (REST 409)
 ├── RunNotFound        no such run (REST 404)
 ├── TableUnusable      the file of a study's results: another study's, in use, not writable (sim.study.table)
 ├── WorkersUnavailable no worker process of a study starts (sim.study.executors)
 └── PlantError         the plant can no longer be trusted (phase `faulted`)
     ├── PlantDiverged  a state that is not finite, or momentum that jumped
-    └── LinkLost       the robot at the other end of the link is silent, late, or tells what cannot be
+    └── LinkLost       the robot at the other end of the link is silent, late, or reports an impossible state
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from enum import StrEnum
 
 
 class Cause(StrEnum):
-    """Why a mission ended without a cage. Titles and tips go by it; a message may be worded freely."""
+    """Why a mission ended without a cage. Titles and tips go by it; the wording of a message is free."""
 
     DIVERGED = "diverged"
     """The simulated state is not finite, or its momentum jumped."""
     PLANT_FAILED = "plant_failed"
-    """A plant cannot be trusted for another reason."""
+    """The plant cannot be trusted for another reason."""
     BECALM_FAILED = "becalm_failed"
-    """A mistake of Becalm's own."""
+    """A bug in Becalm."""
     JOINT_BLOCKED = "joint_blocked"
-    """A joint does not follow what it is commanded."""
+    """A joint does not follow its commanded rate."""
     SEVERAL_ROBOTS = "several_robots"
-    """Another robot than the one that is flown is heard."""
+    """Messages come from a robot other than the one being flown."""
     SESSION_TAKEN = "session_taken"
     """Another console holds the robot, or nobody does."""
     ROBOT_STOPPED = "robot_stopped"
-    """The robot follows no commands, for a reason that it names."""
+    """The robot follows no joint commands, for a reason that it names."""
     NO_ANSWER = "no_answer"
     """The robot did not acknowledge what it was asked, or not soon enough."""
     READING_REFUSED = "reading_refused"
-    """A stream's readings are not believed."""
+    """A stream's readings are implausible."""
     READING_JUMPED = "reading_jumped"
-    """A reading is farther from the one before than anything moves."""
+    """A reading differs from the one before by more than anything can move."""
     CLOCK_JUMPED = "clock_jumped"
     """The robot's clock jumped."""
     SENSOR_FROZEN = "sensor_frozen"
@@ -64,7 +64,7 @@ class CaptureError(Exception):
 
 
 class ConfigError(CaptureError):
-    """A configuration that cannot be; the message names field, value and bound."""
+    """An invalid configuration; the message names field, value and bound."""
 
 
 class MissionRefused(CaptureError):
@@ -88,7 +88,7 @@ class PlantDiverged(PlantError):
 
 
 class LinkLost(PlantError):
-    """The robot at the other end of the link is silent, late, or tells what cannot be."""
+    """The robot at the other end of the link is silent, late, or reports an impossible state."""
 
     def __init__(self, message: str, *, cause: Cause, tip: str = "") -> None:
         super().__init__(message, tip=tip)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A file of a name of its own beside `path`, that takes its place when the block ends well; else it goes.
+    """A draft beside `path` that replaces it when the block ends without an error; else it is removed.
 
-    Two that replace one file at once never write into each other's: the later one stands.
+    Two that replace one file at the same time never write into each other's: the later one wins.
     """
     draft = path.with_name(f".{path.name}.{secrets.token_hex(6)}.draft")
     try:
@@ -28,7 +28,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def sync_folder(folder: Path) -> None:
-    """Have the disk know the names in a folder, too."""
+    """Flush the names in a folder to disk, too."""
     if os.name != "nt":
         descriptor = os.open(folder, os.O_RDONLY)
         try:

@@ -13,7 +13,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 WholeNumber = Annotated[int, Field(strict=True)]
 
 LIVE = "live"
-"""Marks a parameter that may change while a mission flies; the others take a reset."""
+"""Marks a parameter that may change while a mission flies; the others require a reset."""
 
 
 def parameter(

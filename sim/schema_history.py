@@ -1,10 +1,10 @@
-"""What stored things called by other names, or have and today's version has not: one table for each kind of thing.
+"""What was renamed or removed since things were stored under its name: one table for each kind of thing.
 
-A run, study, preset or file describes itself: its values stand under names. Here stands which of those names are others
-today. Whoever renames or removes one adds a line, and everything that was stored before is still read.
+A run, study, preset or file describes itself: its values stand under names. This module lists the names that have
+changed since. Whoever renames or removes one adds a line, and everything that was stored before is still read.
 
-An old name is never used again for something else: rows, events and files carry no version by which the two could be
-told apart. `tests/unit/test_sim_schema_history.py` holds that.
+An old name is never used again for something else: rows, events and files carry no version that would distinguish
+the two. `tests/unit/test_sim_schema_history.py` holds that.
 """
 
 from __future__ import annotations
@@ -15,27 +15,27 @@ from typing import Any, NamedTuple
 from sim.errors import ConfigError
 
 VERSION = "version"
-"""The key under which a stored configuration, set of changes or study says how its parameters are called."""
+"""The key under which a stored configuration, set of changes or study says which names its parameters have."""
 
 
 class Change(NamedTuple):
-    """A name that stored things may have and today's version has not."""
+    """A name that stored things may have and the current version has not."""
 
     old: str
     """Full path; that of a group stands for all that is in it."""
     new: str | None
-    """Its path today; None if it is gone."""
+    """Its current path; None if it was removed."""
     why: str = ""
-    """Of one that is gone: what holds instead, in words."""
+    """For a removed one: what holds instead, in words."""
 
 
 def renamed(old: str, new: str) -> Change:
-    """The parameter, measure or field, or all of a group, has another name today."""
+    """The parameter, measure or field, or all of a group, has another name now."""
     return Change(old, new)
 
 
 def removed(old: str, why: str) -> Change:
-    """It is gone; stored values of it are ignored, and whoever reads them is told why."""
+    """It was removed; stored values of it are ignored, and whoever reads them learns why."""
     return Change(old, None, why)
 
 
@@ -48,13 +48,13 @@ PARAMETER_CHANGES: tuple[Change, ...] = (
 """Paths of the configuration, in the order in which they changed: of runs, presets, studies, events and files."""
 
 TICK_CHANGES: tuple[Change, ...] = ()
-"""Fields of `TICK` (`sim.capture.tick`): of logs. One that is gone stays in the log and in its exports."""
+"""Fields of `TICK` (`sim.capture.tick`): of logs. A removed one stays in the log and in its exports."""
 
 MEASURE_CHANGES: tuple[Change, ...] = ()
-"""Columns of a study's table (`sim.study.run`). One that is gone stays in the table and in its exports."""
+"""Columns of a study's table (`sim.study.run`). A removed one stays in the table and in its exports."""
 
 RECORD_CHANGES: tuple[Change, ...] = ()
-"""Fields of a run's record, those of its outcome as `outcome.peak_tip_force`. One that is gone is ignored."""
+"""Fields of a run's record, those of its outcome as `outcome.peak_tip_force`. A removed one is ignored."""
 
 
 def config_version() -> int:
@@ -63,7 +63,7 @@ def config_version() -> int:
 
 
 class Read(NamedTuple):
-    """What was stored, under the names of today."""
+    """What was stored, under current names."""
 
     values: dict[str, Any]
     notices: tuple[str, ...]
@@ -71,7 +71,7 @@ class Read(NamedTuple):
 
 
 def change_of(path: str, changes: Sequence[Change]) -> Change | None:
-    """What became of the name: its path today, or why it is gone; None of one that never changed."""
+    """What became of the name: its current path, or why it was removed; None for one that never changed."""
     found: Change | None = None
     for change in changes:
         now = path if found is None else found.new
@@ -85,13 +85,13 @@ def change_of(path: str, changes: Sequence[Change]) -> Change | None:
 
 
 def todays_name(path: str, changes: Sequence[Change]) -> str | None:
-    """The name of today; None of one that is gone."""
+    """The current name; None for a removed one."""
     change = change_of(path, changes)
     return path if change is None else change.new
 
 
 def former_names(name: str, changes: Sequence[Change]) -> tuple[str, ...]:
-    """What the name of today has been before, the latest first."""
+    """The former names of a current one, the latest first."""
     names = [name]
     for change in reversed(changes):
         if change.new is not None and _lies_in(names[-1], change.new):
@@ -100,10 +100,10 @@ def former_names(name: str, changes: Sequence[Change]) -> tuple[str, ...]:
 
 
 def under_todays_names(stored: Mapping[str, Any], changes: Sequence[Change]) -> Read:
-    """Values by full path, each under its name of today; what never changed is left as it is, also if it is unknown.
+    """Values by full path, each under its current name; what never changed is kept as it is, also if it is unknown.
 
     Raises:
-        ConfigError: a value stands both under a former name and under the one of today.
+        ConfigError: a value stands both under a former name and under the current one.
 
     """
     values: dict[str, Any] = {}
@@ -129,7 +129,7 @@ def require_known_version(version: Any) -> None:
 
     """
     if type(version) is not int or version < 1:
-        raise ConfigError(f"{VERSION} = {version!r}: it is no whole number from 1 on")
+        raise ConfigError(f"{VERSION} = {version!r}: it is not a whole number from 1 on")
     if version > config_version():
         raise ConfigError(
             f"{VERSION} = {version}: its parameters are those of a later version of Becalm; "

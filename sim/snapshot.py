@@ -15,14 +15,14 @@ Vector3 = tuple[float, float, float]
 Vector2 = tuple[float, float]
 
 
-class Published(BaseModel):
-    """Frozen and closed: what is published never changes afterwards."""
+class FrozenMessage(BaseModel):
+    """Base of what is published or stored: frozen, so that readers may share it, and without unknown fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class OutcomeClass(StrEnum):
-    """How a capture ended: the paper's five classes, and none of them."""
+    """How a capture ended: the paper's five classes, and unresolved."""
 
     CAGED_FORCE_REDUCED = "caged_force_reduced"
     CAGED_FORCE_NOT_REDUCED = "caged_force_not_reduced"
@@ -32,7 +32,7 @@ class OutcomeClass(StrEnum):
     UNRESOLVED = "unresolved"
 
 
-class Touch(Published):
+class Touch(FrozenMessage):
     """One touch of an arm's tips on the target."""
 
     arm: Literal["left", "right"]
@@ -42,7 +42,7 @@ class Touch(Published):
     planned: bool = Field(description="False if a plan was still running when it began")
 
 
-class Outcome(Published):
+class Outcome(FrozenMessage):
     """How a capture ended: the verdict, and beside it the paper's."""
 
     outcome: OutcomeClass = Field(description="The verdict: that at locked arms")
@@ -75,14 +75,14 @@ class Outcome(Published):
         return stored
 
 
-class BodyState(Published):
+class BodyState(FrozenMessage):
     """A rigid body in world axes."""
 
     pose: Vector3 = Field(description="x, y of the centre of mass [m], angle [rad]")
     twist: Vector3 = Field(description="vx, vy [m/s], angular velocity [rad/s]")
 
 
-class ArmState(Published):
+class ArmState(FrozenMessage):
     """One arm: joints, hand and what its tips feel."""
 
     joint_angle: Vector3 = Field(description="Joints 1 to 3 [rad]")
@@ -91,7 +91,7 @@ class ArmState(Published):
     mount_angle: float = Field(description="Of the hand on link 3 [rad]")
     hand_pose: Vector3 = Field(description="Hand centre x, y [m], angle [rad]")
     hand_twist: Vector3 = Field(description="[m/s, rad/s]")
-    desired_hand_pose: Vector3 = Field(description="Where the plan wants the hand [m, rad]")
+    desired_hand_pose: Vector3 = Field(description="Where the plan puts the hand [m, rad]")
     desired_hand_twist: Vector3 = Field(description="[m/s, rad/s]")
     hand_wrench: Vector3 = Field(description="Target on hand, about the hand centre [N, N m]")
     tip_force: tuple[Vector2, Vector2] = Field(description="Target on each tip [N]")
@@ -99,7 +99,7 @@ class ArmState(Published):
     manipulability: float = Field(description="Volume of the hand-velocity ellipsoid [m2]")
 
 
-class Plan(Published):
+class Plan(FrozenMessage):
     """The motion being followed: straight lines through these hand poses at these times."""
 
     kind: str = Field(description="What it is for, by the method: touch, cage or release of the published one")
@@ -109,23 +109,23 @@ class Plan(Published):
     target_at_end: Vector3 = Field(description="Predicted target pose at the end of the plan [m, rad]")
 
 
-class Condition(Published):
-    """One thing that has to be so before the next phase may begin."""
+class Condition(FrozenMessage):
+    """One thing that must hold before the next phase may begin."""
 
     name: str = Field(description="By the method; spin, absorbed, enclosed, closing_done, caged or hands_open")
     met: bool
-    value: float | None = Field(description="What it is now, in `unit`; null if it is no figure")
-    bound: float | None = Field(description="What it is held against, in `unit`; null likewise")
-    unit: str = Field(description="SI; empty if it is no figure")
+    value: float | None = Field(description="What it is now, in `unit`; null if it is not a number")
+    bound: float | None = Field(description="What it is compared with, in `unit`; null likewise")
+    unit: str = Field(description="SI; empty if it is not a number")
     words: str = Field(description="The same in words")
 
     @classmethod
     def of(cls, name: str, words: str, *, met: bool) -> Condition:
-        """One that is no figure."""
+        """A condition without a number."""
         return cls(name=name, met=met, value=None, bound=None, unit="", words=words)
 
 
-class Readiness(Published):
+class Readiness(FrozenMessage):
     """Go or no-go for what comes next, and what speaks for or against it."""
 
     next: str = Field(description="The phase or command this is about")
@@ -134,18 +134,18 @@ class Readiness(Published):
     conditions: list[Condition]
 
 
-class Stage(Published):
+class Stage(FrozenMessage):
     """One phase of the sequence as this mission goes through it."""
 
     phase: str
     state: Literal["done", "failed", "skipped", "now", "ahead"] = Field(
-        description="skipped: never entered, and not to come any more"
+        description="skipped: never entered, and no longer to come"
     )
     why: str = Field(description="Of failed and skipped, in words; else empty")
     lasted: float | None = Field(description="Time spent in it [s]; null if it was not entered")
 
 
-class Snapshot(Published):
+class Snapshot(FrozenMessage):
     """The mission at one tick."""
 
     tick: int

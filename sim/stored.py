@@ -1,7 +1,7 @@
-"""What files and folders hold, read under the names of today (`sim.schema_history`).
+"""What files and folders hold, read under current names (`sim.schema_history`).
 
-Only what is stored, or written into a file, is read so. A request over REST and `--set` use the names of today; with a
-former one the error says how it is called now.
+Only what is stored, or written into a file, is read so. A request over REST and `--set` use current names; for a
+former one the error gives the current name.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from sim.schema_history import PARAMETER_CHANGES, VERSION, Change, Read, require
 
 
 def read_tree(stored: Mapping[str, Any], changes: Sequence[Change]) -> Read:
-    """A nested mapping with every value under its path of today; without changes it is left as it is.
+    """A nested mapping with every value under its current path; without changes it stays as it is.
 
     Raises:
-        ConfigError: a value stands both under a former name and under the one of today, or in the place of a group.
+        ConfigError: a value stands both under a former name and under the current one, or in the place of a group.
 
     """
     if not changes:
@@ -29,7 +29,7 @@ def read_tree(stored: Mapping[str, Any], changes: Sequence[Change]) -> Read:
 
 
 def read_parameters(stored: Mapping[str, Any]) -> Read:
-    """A nested configuration, or changes to one, of any version; `version` is looked at and left out.
+    """A nested configuration, or changes to one, of any version; `version` is checked and left out.
 
     Raises:
         ConfigError: it is of a later version, or a value stands in two places.
@@ -61,7 +61,7 @@ def read_parameters_file(path: Path) -> Read:
 
 
 def in_file(path: Path, changes: Mapping[str, Any], kind: str = "config file") -> Read:
-    """Nested changes that stand in this file, under the names of today; notices and errors name the file.
+    """Nested changes that stand in this file, under current names; notices and errors name the file.
 
     Raises:
         ConfigError: they are of a later version, or a value stands in two places.

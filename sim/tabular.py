@@ -1,4 +1,4 @@
-"""Tables as CSV and Parquet, in pieces of bounded size: what every export of Becalm is written by.
+"""Tables as CSV and Parquet, in pieces of bounded size: every export of Becalm is written by it.
 
 CSV keeps what a column is, so that readers which guess by the text see it: a double always has a point or an exponent
 (`0.0`, `1e-05`) and reads back as the same double, an integer has neither; `NaN`, `inf` and `-inf`; `true` and

@@ -11,12 +11,12 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from matplotlib.figure import Figure
 
 from becalm.report import maps, mechanism, signals
-from becalm.report.drawing import Frame, sequence
+from becalm.report.drawing import DrawnInstant, sequence
 from becalm.report.style import MARKS, Picture, look, picture
 from server.versions import becalm_version
 from sim.configurations import named_configuration
 from sim.method.published.memory import Activity
-from sim.reproduction.experiments import Example, Flown, Origin, impedance_of
+from sim.reproduction.experiments import Example, FlownCapture, Origin, impedance_of
 from sim.reproduction.findings import Reproduction, authors_run
 from sim.snapshot import OutcomeClass
 
@@ -28,7 +28,7 @@ class ShownExample(NamedTuple):
     """A cell that was flown again to be looked at."""
 
     example: Example
-    flown: Flown
+    flown: FlownCapture
 
 
 def figures(found: Reproduction, shown: list[ShownExample]) -> dict[str, Picture]:
@@ -85,11 +85,11 @@ def ablation_figure(found: list[Mapping[str, Any]], reference: float) -> Picture
         )
 
 
-def _sequence(flown: Flown, count: int, columns: int) -> Figure:
+def _sequence(flown: FlownCapture, count: int, columns: int) -> Figure:
     return sequence(flown.config, flown.ticks, _instants(flown, count), columns)
 
 
-def _instants(flown: Flown, count: int) -> list[Frame]:
+def _instants(flown: FlownCapture, count: int) -> list[DrawnInstant]:
     """The start, touches, the closing, the largest force and the end; the most telling ones if they are many."""
     ticks, outcome = flown.ticks, flown.outcome
     end = float(ticks["time"][-1])
@@ -107,10 +107,10 @@ def _instants(flown: Flown, count: int) -> list[Frame]:
     moments.append((0.0, "start"))
     moments += [(touch.end, "the touch ends") for touch in outcome.contacts[:1] if touch.end is not None]
     moments += [(touch.start, f"{touch.arm} hand touches") for touch in outcome.contacts[1:]]
-    kept: list[Frame] = []
+    kept: list[DrawnInstant] = []
     for time, caption in moments:
         if len(kept) < count and all(abs(time - frame.time) > _APART for frame in kept):
-            kept.append(Frame(time, caption))
+            kept.append(DrawnInstant(time, caption))
     return sorted(kept)
 
 

@@ -25,7 +25,7 @@ _LONGEST_ARROW = 0.25  # [m]: that of 2.8 N; harder blows are not drawn longer
 _ARM_COLOURS = (LEFT, RIGHT)
 
 
-class Frame(NamedTuple):
+class DrawnInstant(NamedTuple):
     """An instant to be drawn."""
 
     time: float
@@ -33,7 +33,7 @@ class Frame(NamedTuple):
     caption: str
 
 
-def sequence(config: MissionConfig, ticks: Ticks, frames: Sequence[Frame], columns: int) -> Figure:
+def sequence(config: MissionConfig, ticks: Ticks, frames: Sequence[DrawnInstant], columns: int) -> Figure:
     """Drawings at these instants, in rows of so many; the target's path up to each is drawn faintly."""
     rows = math.ceil(len(frames) / columns)
     drawn = figure(1.75 * columns, 1.92 * rows)

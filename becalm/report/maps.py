@@ -12,12 +12,12 @@ from matplotlib.patches import Patch, Rectangle
 
 from becalm.report.style import GREY, INK, MARKS, PALE, figure
 from sim.reproduction.experiments import impedance_of
-from sim.reproduction.published import DAMPING, MASS, STIFFNESS, Impedance, published_classes
+from sim.reproduction.published import DAMPING, MASS, STIFFNESS, PublishedImpedance, published_classes
 from sim.snapshot import OutcomeClass
-from sim.study.capture_metrics import Stage
+from sim.study.capture_metrics import ContactStage
 from sim.study.run import Row
 
-_SIGNS = {Stage.TOUCH: "T", Stage.CLOSING: "C", Stage.AFTER_CLOSURE: "A"}
+_SIGNS = {ContactStage.TOUCH: "T", ContactStage.CLOSING: "C", ContactStage.AFTER_CLOSURE: "A"}
 _DARK_ABOVE = 0.55  # of the colour map: signs on darker cells are white
 
 
@@ -112,7 +112,7 @@ def _lay_out(axes: Axes, rows: Sequence[Row], title: str, *, outer: bool, lowest
         axes.set_ylabel("k, N/m", fontsize=7.5)
 
 
-def _classes(axes: Axes, classes: Mapping[Impedance, str], mass: float) -> None:
+def _classes(axes: Axes, classes: Mapping[PublishedImpedance, str], mass: float) -> None:
     places = [place for place in classes if place.mass == mass]
     dampings = sorted({place.damping for place in places})
     stiffnesses = sorted({place.stiffness for place in places})
@@ -129,7 +129,7 @@ def _classes(axes: Axes, classes: Mapping[Impedance, str], mass: float) -> None:
         axes.plot(*corners.T, linestyle="", marker=f"$\\mathrm{{{mark.sign}}}$", markersize=3.4, color=INK, mew=0.0)
 
 
-def _square(axes: Axes, rows: Sequence[Row], place: Impedance, **look: object) -> None:
+def _square(axes: Axes, rows: Sequence[Row], place: PublishedImpedance, **look: object) -> None:
     x = _levels(rows, DAMPING).index(place.damping)
     y = _levels(rows, STIFFNESS).index(place.stiffness)
     axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, **look))  # type: ignore[arg-type]

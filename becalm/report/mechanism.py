@@ -14,7 +14,7 @@ from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
 from sim.config import MissionConfig
 from sim.reproduction.experiments import Origin
 from sim.reproduction.first_touch import TouchState, effective_mass, lever_of, restitution
-from sim.reproduction.first_touch_prediction import Foretold, quality
+from sim.reproduction.first_touch_prediction import Prediction, prediction_score
 from sim.reproduction.published import DAMPING, MASS, STIFFNESS
 from sim.snapshot import OutcomeClass
 
@@ -23,11 +23,11 @@ _LINES: tuple[Literal[":", "-.", "--", "-"], ...] = (":", "-.", "--", "-")
 _SHAPES = {0.01: "o", 0.05: "s", 0.1: "^", 0.5: "D"}
 
 
-def _colour(cell: Foretold) -> str:
+def _colour(cell: Prediction) -> str:
     return MARKS[OutcomeClass(cell.row["at_first_closure"])].colour
 
 
-def _outcomes(cells: Sequence[Foretold]) -> list[Line2D]:
+def _outcomes(cells: Sequence[Prediction]) -> list[Line2D]:
     """Legend entries of the classes among the cells."""
     present = {cell.row["at_first_closure"] for cell in cells}
     return [
@@ -37,7 +37,7 @@ def _outcomes(cells: Sequence[Foretold]) -> list[Line2D]:
     ]
 
 
-def residual_spin(config: MissionConfig, cells: Sequence[Foretold]) -> Figure:
+def residual_spin(config: MissionConfig, cells: Sequence[Prediction]) -> Figure:
     """Spin after the first touch over damping, for some stiffnesses: flights as points, the planar model as lines."""
     masses = sorted({cell.row[MASS] for cell in cells})
     stiffnesses = sorted({cell.row[STIFFNESS] for cell in cells})
@@ -64,7 +64,7 @@ def residual_spin(config: MissionConfig, cells: Sequence[Foretold]) -> Figure:
     return drawn
 
 
-def spin_and_drift(config: MissionConfig, cells: Sequence[Foretold], bound: float) -> Figure:
+def spin_and_drift(config: MissionConfig, cells: Sequence[Prediction], bound: float) -> Figure:
     """Every cell by what its first touch left: in flight to the left, by the planar model to the right."""
     drawn = figure(7.4, 3.2)
     row = drawn.subplots(1, 2, sharex=True, sharey=True)
@@ -108,18 +108,18 @@ class Numbers(NamedTuple):
     """[m/s]"""
 
 
-def numbers_of(cells: Sequence[Foretold], touch: TouchState, config: MissionConfig) -> Numbers:
+def numbers_of(cells: Sequence[Prediction], touch: TouchState, config: MissionConfig) -> Numbers:
     """What the figures need of the first touch."""
     lever, target = lever_of(touch, config), config.target
     return Numbers(
         effective_mass(target.mass, target.inertia, lever),
         lever * abs(float(touch.target_twist[2])),
         target.mass,
-        quality(config, cells).drift_bound,
+        prediction_score(config, cells).drift_bound,
     )
 
 
-def rebound(cells: Sequence[Foretold], numbers: Numbers) -> Figure:
+def rebound(cells: Sequence[Prediction], numbers: Numbers) -> Figure:
     """Coefficient of restitution over damping ratio: the linear dashpot's curve, flights as points."""
     drawn = figure(4.6, 2.9)
     axes = drawn.subplots()

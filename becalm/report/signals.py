@@ -15,7 +15,7 @@ from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
 from sim.control.phases import Phase
 from sim.method.published.memory import Activity
-from sim.reproduction.experiments import Flown
+from sim.reproduction.experiments import FlownCapture
 from sim.reproduction.findings import hand_forces
 
 _BINS = 900  # points of a drawn curve; of each bin the extreme is kept, so that no peak is lost
@@ -31,10 +31,10 @@ def extremes(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     return time[places], values[places]
 
 
-def forces(runs: Mapping[str, Flown], bound: float) -> Figure:
+def forces(runs: Mapping[str, FlownCapture], bound: float) -> Figure:
     """Resultant force of each hand's tips."""
 
-    def panel(axes: Axes, flown: Flown) -> None:
+    def panel(axes: Axes, flown: FlownCapture) -> None:
         for arm, colour in enumerate((LEFT, RIGHT)):
             axes.plot(
                 *extremes(flown.ticks["time"], hand_forces(flown.ticks)[arm]), color=colour, label=f"{ARMS[arm]} hand"
@@ -51,10 +51,10 @@ def forces(runs: Mapping[str, Flown], bound: float) -> Figure:
     return _panels(runs, "hand force, N", panel, (0.0, 1.1 * top), legend="upper left")
 
 
-def spins(runs: Mapping[str, Flown], authors: Mapping[str, FloatArray]) -> Figure:
+def spins(runs: Mapping[str, FlownCapture], authors: Mapping[str, FloatArray]) -> Figure:
     """Angular velocities of target and base; the authors' own direct run beside ours."""
 
-    def panel(axes: Axes, flown: Flown) -> None:
+    def panel(axes: Axes, flown: FlownCapture) -> None:
         time = flown.ticks["time"]
         axes.plot(time[::20], flown.ticks["target_twist"][::20, 2], color=TARGET, label="target")
         axes.plot(time[::20], flown.ticks["base_twist"][::20, 2], color=BASE, label="base")
@@ -67,7 +67,7 @@ def spins(runs: Mapping[str, Flown], authors: Mapping[str, FloatArray]) -> Figur
     return _panels(runs, "angular velocity, rad/s", panel, None, legend="upper right")
 
 
-def attitude(runs: Mapping[str, Flown]) -> Figure:
+def attitude(runs: Mapping[str, FlownCapture]) -> Figure:
     """Base attitude above, manipulability of both arms below."""
     drawn = figure(7.4, 3.5)
     grid = drawn.subplots(2, len(runs), sharex="col", sharey="row", squeeze=False)
@@ -89,7 +89,7 @@ def attitude(runs: Mapping[str, Flown]) -> Figure:
     return drawn
 
 
-def beside_the_authors(flown: Flown, authors: Mapping[str, FloatArray]) -> Figure:
+def beside_the_authors(flown: FlownCapture, authors: Mapping[str, FloatArray]) -> Figure:
     """Direct caging by us and by the authors' simulator around the touch: forces of both hands, spin of the target."""
     drawn = figure(7.4, 2.3)
     left, right, spin = drawn.subplots(1, 3)
@@ -108,7 +108,7 @@ def beside_the_authors(flown: Flown, authors: Mapping[str, FloatArray]) -> Figur
     return drawn
 
 
-def dead_touch(failure: Flown, success: Flown, names: Sequence[str]) -> Figure:
+def dead_touch(failure: FlownCapture, success: FlownCapture, names: Sequence[str]) -> Figure:
     """A dead touch and the success beside it: spin, drift of the base's attitude, distance from base to target."""
     drawn = figure(7.4, 2.3)
     spin, turn, gap = drawn.subplots(1, 3)
@@ -134,9 +134,9 @@ def dead_touch(failure: Flown, success: Flown, names: Sequence[str]) -> Figure:
 
 
 def _panels(
-    runs: Mapping[str, Flown],
+    runs: Mapping[str, FlownCapture],
     label: str,
-    panel: Callable[[Axes, Flown], None],
+    panel: Callable[[Axes, FlownCapture], None],
     limits: tuple[float, float] | None,
     legend: Literal["upper left", "upper right"],
 ) -> Figure:
@@ -154,7 +154,7 @@ def _panels(
     return drawn
 
 
-def _shade(axes: Axes, flown: Flown) -> None:
+def _shade(axes: Axes, flown: FlownCapture) -> None:
     """The phases as pale bands."""
     phases = flown.ticks["phase"]
     time = flown.ticks["time"]

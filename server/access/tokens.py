@@ -23,8 +23,8 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationErro
 from server.access.roles import Role
 from server.errors import StoredUnreadable
 from server.files import read_document, replace_file
-from sim.claim import Claim
 from sim.errors import ConfigError
+from sim.file_lock import ProcessLock
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}"
 PREFIX = "becalm_"
@@ -212,17 +212,17 @@ class TokenStore:
     def _changing(self) -> Iterator[None]:
         """From reading the file to replacing it nobody else does so, in whatever process."""
         self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        claim = self._claimed()
+        lock = self._locked()
         try:
             yield
         finally:
-            claim.release()
+            lock.release()
 
-    def _claimed(self) -> Claim:
+    def _locked(self) -> ProcessLock:
         given_up = time.monotonic() + LONGEST_CHANGE
         while True:
             try:
-                return Claim(self._path.with_suffix(".lock"))
+                return ProcessLock(self._path.with_suffix(".lock"))
             except BlockingIOError:
                 if time.monotonic() > given_up:
                     what = f"the tokens of {self._path.parent} are being changed by another process"

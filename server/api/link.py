@@ -12,14 +12,14 @@ from server.edge.problem_json import responses
 from server.link.status import NO_LINK, LinkStatus, status_of
 from sim.control.phases import Phase
 from sim.errors import MissionRefused
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 router = APIRouter(prefix="/link", tags=["link"])
 
 MOVING = (Phase.DETUMBLING.label, Phase.CAGING.label, Phase.RELEASED.label)
 
 
-class Tared(Published):
+class Tared(FrozenMessage):
     """The wrist sensors have been tared."""
 
     message: str = Field(examples=["what both wrists read now counts as zero"])

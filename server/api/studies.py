@@ -37,7 +37,7 @@ from sim.study.axes import Distribution, SampleMethod, Value, parameter_words
 from sim.study.design import Study, altered, configured, study_of
 from sim.study.export import TableFormat, export
 from sim.study.flight import MANY_CELLS, Progress
-from sim.study.outcome_frequencies import OutcomeShare, outcome_shares
+from sim.study.outcome_frequencies import OutcomeFrequency, outcome_frequencies
 from sim.study.summaries import SUMMARIZED, MeasureSummary, measure_summaries
 
 router = APIRouter(prefix="/studies", tags=["studies"], responses=responses(422))
@@ -161,7 +161,7 @@ class StudyDetail(StudySummary):
     axes: list[StudyAxis]
     sample_method: SampleMethod | None
     columns: list[StudyColumn]
-    outcomes: list[OutcomeShare]
+    outcomes: list[OutcomeFrequency]
     measures: list[MeasureSummary] = Field(description="Of a study that is a sample; empty with a grid")
     agreement: list[Agreement] | None = Field(description="With the paper's tables, where they can be laid beside")
 
@@ -374,7 +374,7 @@ def _detailed(studies: StudyStore, record: StudyRecord, summary: StudySummary) -
             StudyColumn(name=each.name, kind=each.kind.__name__, unit=each.unit, description=each.description)
             for each in table.columns
         ],
-        outcomes=outcome_shares(of, table.rows("outcome")),
+        outcomes=outcome_frequencies(of, table.rows("outcome")),
         measures=measure_summaries(of, table.rows(*(column.name for column in SUMMARIZED))),
         agreement=agreement(impedances) if is_comparable(of) else None,
     )

@@ -10,7 +10,7 @@ from pydantic import Field
 from server.library.record import RunRecord
 from sim.config import PARAMETERS, MissionConfig, differences
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 EDITED = " (edited)"
 """How the name of a configuration ends that was changed."""
@@ -21,7 +21,7 @@ MOST_CHANGES_TOLD = 6
 """In one line; the log holds all of them."""
 
 
-class ParameterChange(Published):
+class ParameterChange(FrozenMessage):
     """One parameter that is not as the named configuration has it."""
 
     path: str

@@ -19,14 +19,14 @@ from server.files import read_document, read_lines, replace_file
 from server.library.record import LoggedEvent, Remarks, RunRecord, event_of_today, record_of_today
 from server.log.scan import Scanned, scan
 from server.texts import shortened
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 RECORD_NAME = "run.json"
 EVENTS_NAME = "events.jsonl"
 REMARKS_NAME = "remarks.json"
 LOG_NAME = "log.mcap"
 CANCEL_NAME = ".cancel"
-CLAIM_NAME = ".writing"
+LOCK_NAME = ".writing"
 
 LOST_AT_MOST = 1.0
 """Wall time that a crash or a power cut may cost [s]: half of it, and as much for a slow disk."""
@@ -104,5 +104,5 @@ def write_remarks(folder: Path, remarks: Remarks) -> None:
     _replace(folder / REMARKS_NAME, remarks)
 
 
-def _replace(path: Path, content: Published) -> None:
+def _replace(path: Path, content: FrozenMessage) -> None:
     replace_file(path, content.model_dump_json(indent=2).encode())

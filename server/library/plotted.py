@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import Field
 
 from server.library.record import TickArray
-from sim.capture.tick import ARMS, COLUMNS, Column, column_values
-from sim.snapshot import Published
+from sim.capture.tick import ARMS, COLUMNS, TickColumn, column_values
+from sim.snapshot import FrozenMessage
 
 Values = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -37,7 +37,7 @@ _ARM_QUANTITIES = (
 )
 
 
-def _recorded(column: Column) -> Plotted:
+def _recorded(column: TickColumn) -> Plotted:
     return Plotted(column.name, column.unit, lambda ticks: column_values(ticks, column).astype(float))
 
 
@@ -91,7 +91,7 @@ def rows_of(low: Values, high: Values) -> list[list[float | None]]:
     return numbers
 
 
-class HistoryColumn(Published):
+class HistoryColumn(FrozenMessage):
     """One column of the history."""
 
     name: str
@@ -102,7 +102,7 @@ HISTORY_COLUMNS = [HistoryColumn(name=column.name, unit=column.unit) for column 
 ENCODED_COLUMNS = json.dumps([{"name": column.name, "unit": column.unit} for column in PLOTTED])
 
 
-class History(Published):
+class History(FrozenMessage):
     """Ticks of a run in few rows, oldest first."""
 
     run_id: str = Field(description="Of the mission's run")

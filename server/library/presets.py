@@ -16,14 +16,14 @@ from sim.config import MissionConfig
 from sim.configurations import named_configuration, revised
 from sim.errors import ConfigError
 from sim.schema_history import VERSION, config_version
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.stored import read_parameters
 
 NAME = r"[^\W_][\w .+-]{0,39}"
 """Letters, digits, spaces and a few signs; begins with a letter or digit."""
 
 
-class Preset(Published):
+class Preset(FrozenMessage):
     """How a named configuration was changed, by whom, and when."""
 
     name: str = Field(pattern=f"^{NAME}$", examples=["soft hands"])

@@ -13,14 +13,14 @@ from mcap.records import ChunkIndex
 
 from server.errors import StoredUnreadable
 from server.files import damaged_lines
-from server.library.folder import CLAIM_NAME, EVENTS_NAME, LOG_NAME, read_events, read_remarks
+from server.library.folder import EVENTS_NAME, LOCK_NAME, LOG_NAME, read_events, read_remarks
 from server.library.record import LoggedEvent, Remarks, RunRecord, TickArray, event_of_today
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.ticks import TICK_CHANNEL, TickLayout, layout_in
 from server.log.writer import nanoseconds
 from sim.capture.replay import FlightHistory
-from sim.claim import is_claimed
+from sim.file_lock import is_locked
 
 SLACK = 1e-6
 """Mission times closer than this are the same [s]: no tick is as short."""
@@ -124,11 +124,11 @@ class RunReader:
     @property
     def is_open(self) -> bool:
         """Whether a living process may still write it, whatever its record says."""
-        return is_claimed(self._folder / CLAIM_NAME)
+        return is_locked(self._folder / LOCK_NAME)
 
     @property
     def size(self) -> int:
-        """Bytes on disk. What goes while it is looked at, as drafts and claims do, is nothing."""
+        """Bytes on disk. What goes while it is looked at, as drafts and locks do, counts as nothing."""
         try:
             return sum(_size(path) for path in self._folder.iterdir())
         except OSError:  # the whole run is being removed, or may not be looked into

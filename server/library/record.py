@@ -14,7 +14,7 @@ from sim.capture.replay import Intervention
 from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES, VERSION, config_version, under_todays_names
-from sim.snapshot import Outcome, Published
+from sim.snapshot import FrozenMessage, Outcome
 from sim.stored import read_parameters, read_tree
 
 RunKind = Literal["live", "scripted", "study", "fork"]
@@ -26,7 +26,7 @@ FIRST_YEAR, LAST_YEAR = 1971, 2499
 """Within which the nanoseconds of a log have room, whatever the time zone."""
 
 
-class RunRecord(Published):
+class RunRecord(FrozenMessage):
     """What run.json holds."""
 
     id: str
@@ -69,7 +69,7 @@ class RunRecord(Published):
         return self.status not in ("queued", "running")
 
 
-class Note(Published):
+class Note(FrozenMessage):
     """What somebody has to say about a run, or about one moment of it."""
 
     text: str = Field(min_length=1, max_length=4000)
@@ -84,7 +84,7 @@ Tag = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_
 RunName = Annotated[str, StringConstraints(strip_whitespace=True, max_length=100, pattern=r"^[^\n]*$")]
 
 
-class Remarks(Published):
+class Remarks(FrozenMessage):
     """What people add to a run at any time; it stands in a file of its own, so that no writer is disturbed."""
 
     starred: bool = False

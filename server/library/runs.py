@@ -19,7 +19,7 @@ from server.files import remove_folder
 from server.instants import wall_clock
 from server.library.folder import (
     CANCEL_NAME,
-    CLAIM_NAME,
+    LOCK_NAME,
     LOST_AT_MOST,
     RECORD_NAME,
     read_record,
@@ -33,9 +33,9 @@ from server.library.record import Remarks, RunKind, RunRecord
 from server.library.upgrade import upgraded
 from server.library.writer import RunWriter
 from server.log.ticks import TICK_CHANNEL
-from sim.claim import Claim, is_claimed
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
+from sim.file_lock import ProcessLock, is_locked
 
 log = logging.getLogger(__name__)
 
@@ -125,7 +125,7 @@ class RunStore:
         folder = self._folder(run_id)
         try:
             record = _current_record(folder)
-            if record.integrity is None and record.status != "queued" and not is_claimed(folder / CLAIM_NAME):
+            if record.integrity is None and record.status != "queued" and not is_locked(folder / LOCK_NAME):
                 record = _recovered(folder)
         except FileNotFoundError:  # perhaps removed at this very moment
             raise _not_found(run_id) from None
@@ -190,7 +190,7 @@ class RunStore:
             ended = self.record(run_id).ended
         except StoredUnreadable:
             ended = True  # for all that can be known
-        if not ended or is_claimed(folder / CLAIM_NAME):
+        if not ended or is_locked(folder / LOCK_NAME):
             raise MissionRefused(f"run {run_id} has not ended", tip="cancel or reset it first")
         self.discard(run_id)
 
@@ -225,7 +225,7 @@ def _not_found(run_id: str) -> RunNotFound:
 def _recovered(folder: Path) -> RunRecord:
     """The run of a process that is gone, with what it truly has; its log and record are put right on disk."""
     try:
-        claim = Claim(folder / CLAIM_NAME)
+        lock = ProcessLock(folder / LOCK_NAME)
     except BlockingIOError:
         return read_record(folder)  # somebody is at it
     try:
@@ -233,7 +233,7 @@ def _recovered(folder: Path) -> RunRecord:
         if record.integrity is None and record.status != "queued":
             record = _repaired(folder, record)
     finally:
-        claim.release()
+        lock.release()
     return record
 
 

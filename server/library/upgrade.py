@@ -17,13 +17,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from server.library.folder import CLAIM_NAME, LOG_NAME, LOST_AT_MOST, RECORD_NAME, read_events, write_record
+from server.library.folder import LOCK_NAME, LOG_NAME, LOST_AT_MOST, RECORD_NAME, read_events, write_record
 from server.library.reader import RunReader
 from server.library.record import RunRecord, TickArray, record_of_today
 from server.library.writer import RunWriter
 from server.log.ticks import StoredColumn, TickLayout, field_name, schema_of
 from sim.capture.tick import QUANTITIES, columns_of
-from sim.claim import Claim
+from sim.file_lock import ProcessLock
 from sim.schema_history import TICK_CHANGES, todays_name
 
 TICKS_NAME = "ticks.bin"
@@ -37,7 +37,7 @@ log = logging.getLogger(__name__)
 def upgraded(folder: Path) -> bool:
     """Bring the run in this folder to today's format; False if it is of none that is known, or cannot be written."""
     try:
-        claim = Claim(folder / CLAIM_NAME)
+        lock = ProcessLock(folder / LOCK_NAME)
     except OSError:  # the earlier version still writes it, or nobody may write here
         return False
     try:
@@ -50,7 +50,7 @@ def upgraded(folder: Path) -> bool:
         return False
     finally:
         shutil.rmtree(folder / DRAFT_NAME, ignore_errors=True)
-        claim.release()
+        lock.release()
     log.info("run %s of an earlier version is upgraded", folder.name)
     return True
 

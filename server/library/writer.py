@@ -11,10 +11,10 @@ from typing import Any, BinaryIO
 
 from mcap.records import Schema
 
-from server.library.folder import CANCEL_NAME, CLAIM_NAME, EVENTS_NAME, LOG_NAME, write_record
+from server.library.folder import CANCEL_NAME, EVENTS_NAME, LOCK_NAME, LOG_NAME, write_record
 from server.library.record import LoggedEvent, RunRecord, TickArray
 from server.log.writer import LogWriter
-from sim.claim import Claim
+from sim.file_lock import ProcessLock
 
 SYNC_PERIOD = 0.5
 """Wall time between two orders to the disk itself [s]: what a power cut may cost."""
@@ -54,7 +54,7 @@ def _require_there(path: Path, descriptor: int) -> None:
 
 
 class RunWriter:
-    """Appends to one run; claims its folder until it is closed."""
+    """Appends to one run; locks its folder until it is closed."""
 
     def __init__(self, folder: Path, record: RunRecord, schema: Schema | None = None) -> None:
         """Open a run that has begun or waits to; its ticks are kept in that schema, if not in today's.
@@ -64,7 +64,7 @@ class RunWriter:
 
         """
         self._folder, self._schema = folder, schema
-        self._claim = Claim(folder / CLAIM_NAME)
+        self._lock = ProcessLock(folder / LOCK_NAME)
         self._events: BinaryIO = (folder / EVENTS_NAME).open("ab")
         self._sink: _WholeWrites | None = None
         self._log: LogWriter | None = None
@@ -136,7 +136,7 @@ class RunWriter:
         self._events.close()
         if self._sink is not None:
             self._sink.file.close()
-        self._claim.release()
+        self._lock.release()
 
     def abandon(self) -> None:
         """Close without a last word, after the disk has failed: the run will be found as it was left."""
@@ -146,7 +146,7 @@ class RunWriter:
                     file.close()
             except OSError:
                 continue  # what could not be written is lost; the caller has shown why
-        self._claim.release()
+        self._lock.release()
 
     @property
     def is_cancelled(self) -> bool:

@@ -17,13 +17,13 @@ from server.link.reports import parse_count
 from server.link.robot_link import RobotLink
 from server.link.streams import HISTORY_STEP
 from server.published import RobotData
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 QUANTILES_OF = 10.0
 """Round trips of the last seconds that quantiles are taken of [s]."""
 
 
-class StreamStatus(Published):
+class StreamStatus(FrozenMessage):
     """How one of the robot's streams arrives; rate, jitter and loss over the last two seconds."""
 
     key: str = Field(description="Key expression", examples=["becalm/joint_states"])
@@ -43,7 +43,7 @@ class StreamStatus(Published):
     refusal_age: float | None = Field(description="Since that [s]; null: none yet")
 
 
-class RefusedMessages(Published):
+class RefusedMessages(FrozenMessage):
     """What came beside the streams and was not believed: modes, heartbeats that came back, acknowledgements."""
 
     key: str = Field(description="Key expression", examples=["becalm/robot/mode"])
@@ -53,14 +53,14 @@ class RefusedMessages(Published):
     refusal_age: float = Field(description="Since that [s]")
 
 
-class Quantiles(Published):
+class Quantiles(FrozenMessage):
     """Of a time over the last seconds."""
 
     p50: float = Field(description="Median [s]")
     p99: float = Field(description="99 % quantile [s]")
 
 
-class RobotReport(Published):
+class RobotReport(FrozenMessage):
     """What the robot last reported of itself."""
 
     age: float = Field(description="Since it did [s]")
@@ -77,14 +77,14 @@ class RobotReport(Published):
     last_refusal: str = Field(description="Who and why; empty: none yet")
 
 
-class StopStatus(Published):
+class StopStatus(FrozenMessage):
     """The last STOP that went to the robot."""
 
     age: float = Field(description="Since it was sent [s]")
     acknowledged_after: float | None = Field(description="Until the robot's acknowledgement [s]; null: none yet")
 
 
-class LatencyPoint(Published):
+class LatencyPoint(FrozenMessage):
     """The worst of a fifth of a second; null where none was."""
 
     ago: float = Field(description="How long ago [s]")
@@ -92,7 +92,7 @@ class LatencyPoint(Published):
     command_age: float | None = Field(description="99 % quantile, as the robot reported it then [s]")
 
 
-class LinkStatus(Published):
+class LinkStatus(FrozenMessage):
     """The link as it is now. In simulation there is none: `plant` says so, and the rest is empty."""
 
     plant: Literal["simulation", "zenoh"]

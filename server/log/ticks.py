@@ -17,7 +17,7 @@ from mcap.records import Schema
 
 from server.errors import StoredUnreadable
 from server.log.stream import Bytes, Contents
-from sim.capture.tick import COLUMNS, QUANTITIES, TICK, Column, column_values, columns_of
+from sim.capture.tick import COLUMNS, QUANTITIES, TICK, TickColumn, column_values, columns_of
 from sim.schema_history import TICK_CHANGES, former_names
 
 TICK_CHANNEL = 1
@@ -45,12 +45,12 @@ class StoredColumn(NamedTuple):
     unit: str
 
 
-def field_name(column: Column) -> str:
+def field_name(column: TickColumn) -> str:
     """A column's name as ROS 2 spells it: `left.hand_wrench.x` is `left_hand_wrench_x`."""
     return column.name.removeprefix("mission.").replace(".", "_")
 
 
-def stored_columns(columns: tuple[Column, ...] | list[Column]) -> list[StoredColumn]:
+def stored_columns(columns: tuple[TickColumn, ...] | list[TickColumn]) -> list[StoredColumn]:
     """Columns of today as a log has them."""
     return [StoredColumn(field_name(each), TICK[each.quantity].base.str[1:], each.unit) for each in columns]
 
@@ -189,9 +189,9 @@ def _columns_in(schema: Schema) -> list[StoredColumn]:
 
 
 @cache
-def _todays_columns() -> dict[str, Column]:
+def _todays_columns() -> dict[str, TickColumn]:
     """Columns of today by every name under which a log may have them."""
-    known: dict[str, Column] = {}
+    known: dict[str, TickColumn] = {}
     for quantity in QUANTITIES:
         for name in (quantity.name, *former_names(quantity.name, TICK_CHANGES)):
             stored = map(field_name, columns_of(quantity._replace(name=name)))

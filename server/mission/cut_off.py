@@ -12,7 +12,7 @@ from server.library.reader import RunReader
 from server.library.runs import RunStore
 from server.mission.live_run import CUT_OFF_NOTE
 from sim.control.phases import Phase
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 LAST_MOMENTS = 1.0
 """Of a run, in which the phase that was cut off is looked for [s]: an orderly end stops the robot first."""
@@ -20,7 +20,7 @@ LAST_MOMENTS = 1.0
 log = logging.getLogger(__name__)
 
 
-class CutOffRun(Published):
+class CutOffRun(FrozenMessage):
     """A run that was under way when the service ended."""
 
     run_id: str

@@ -15,7 +15,7 @@ from pydantic import Field
 from server.errors import ServiceBusy
 from server.mission.fork import Fork
 from sim.config import MissionConfig
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 CAPACITY = 32
 """Requests that may wait; a healthy loop empties the inbox every few milliseconds."""
@@ -77,7 +77,7 @@ class Request:
     """With `arm`: the command that is armed, whose arguments are the other fields."""
 
 
-class CommandAnswer(Published):
+class CommandAnswer(FrozenMessage):
     """What the loop did with a request that it granted."""
 
     id: str = Field(description="Of this request, unique within the service")

@@ -11,14 +11,14 @@ from pathlib import Path
 from server.errors import DataFolderInUse, StoredUnreadable
 from server.files import read_document, replace_file
 from server.instants import wall_clock
-from sim.claim import Claim, is_claimed
-from sim.snapshot import Published
+from sim.file_lock import ProcessLock, is_locked
+from sim.snapshot import FrozenMessage
 
-CLAIM_NAME = "service.lock"
+LOCK_NAME = "service.lock"
 OWNER_NAME = "service.json"
 
 
-class Owner(Published):
+class Owner(FrozenMessage):
     """The service that has a data folder."""
 
     pid: int
@@ -43,7 +43,7 @@ def owned(folder: Path, address: str) -> Iterator[None]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        claim = Claim(folder / CLAIM_NAME)
+        lock = ProcessLock(folder / LOCK_NAME)
     except BlockingIOError:
         raise _in_use(folder) from None
     try:
@@ -52,7 +52,7 @@ def owned(folder: Path, address: str) -> Iterator[None]:
         yield
     finally:
         (folder / OWNER_NAME).unlink(missing_ok=True)
-        claim.release()
+        lock.release()
 
 
 def require_free(folder: Path) -> None:
@@ -62,7 +62,7 @@ def require_free(folder: Path) -> None:
         DataFolderInUse: one has.
 
     """
-    if is_claimed(folder / CLAIM_NAME):
+    if is_locked(folder / LOCK_NAME):
         raise _in_use(folder)
 
 
@@ -70,6 +70,6 @@ def _in_use(folder: Path) -> DataFolderInUse:
     try:
         whose = read_document(folder / OWNER_NAME, Owner).words
     except (FileNotFoundError, StoredUnreadable):
-        whose = f"a service that has not said which it is; `fuser {folder / CLAIM_NAME}` finds its process"
+        whose = f"a service that has not said which it is; `fuser {folder / LOCK_NAME}` finds its process"
     tip = "end that one, or give this one a folder of its own with --data-dir or BECALM_DATA_DIR"
     return DataFolderInUse(f"the data folder {folder} belongs to {whose}", tip=tip)

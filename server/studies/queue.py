@@ -23,7 +23,7 @@ from server.studies.store import StudyRecord, StudyStatus, StudyStore
 from sim.errors import CaptureError
 from sim.study.design import Study
 from sim.study.executors import LocalProcesses, OpenExecutor, Workers, WorkersUnavailable
-from sim.study.flight import MANY_CELLS, TRIAL_CELLS, Flight, Progress
+from sim.study.flight import MANY_CELLS, TRIAL_CELLS, Progress, StudyFlight
 from sim.study.table import StudyTable
 
 CAPACITY = 16
@@ -40,7 +40,7 @@ class _Flying(NamedTuple):
 
     study_id: str
     cancelled: threading.Event
-    flight: Flight | None = None
+    flight: StudyFlight | None = None
     """None until its table is open."""
 
 
@@ -246,7 +246,7 @@ class StudyQueue:
     def _fly(self, study_id: str, cancelled: threading.Event) -> None:
         record = self._store.revise(study_id, status="running")
         with StudyTable(self._store.table_path(study_id), record.study) as table:
-            flight = Flight(table, cancelled)
+            flight = StudyFlight(table, cancelled)
             self._flying = _Flying(study_id, cancelled, flight)
             try:
                 workers = self._find_workers()

@@ -20,7 +20,7 @@ from server.instants import instant, wall_clock
 from server.library.runs import new_run_id
 from server.texts import shortened
 from server.versions import versions
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.design import Study, definition_of_today, study_of
 from sim.study.table import StudyRows
 
@@ -32,7 +32,7 @@ TABLE_NAME = "rows.sqlite"
 _ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
 
 
-class StudyRecord(Published):
+class StudyRecord(FrozenMessage):
     """What study.json holds."""
 
     id: str

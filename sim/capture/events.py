@@ -1,4 +1,4 @@
-"""What happened, in words: events read from the recorded ticks, so that a replay tells the same story."""
+"""What happened, in words: events read from the recorded ticks, so that a replay has the same ones."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import Cause, LinkLost, PlantError
 from sim.method.method import Words, method_of
-from sim.snapshot import Outcome, OutcomeClass, Published, Touch
+from sim.snapshot import FrozenMessage, Outcome, OutcomeClass, Touch
 
 Severity = Literal["info", "warning", "error"]
 Ticks = np.ndarray[Any, np.dtype[Any]]
 
 
-class Event(Published):
+class Event(FrozenMessage):
     """Something that happened at one tick."""
 
     time: float = Field(description="Mission time [s]")
@@ -56,17 +56,17 @@ _PHASE_MESSAGES = {
 
 
 def events_of(ticks: Ticks, before: Ticks, config: MissionConfig) -> list[Event]:
-    """The events within consecutive ticks; the one tick before them only tells what they change from."""
-    story = _Story(ticks, before)
+    """The events within consecutive ticks; the one tick before them only shows what they change from."""
+    span = _Span(ticks, before)
     method = method_of(config)
     threshold = method.spin_threshold(config)
-    events = [*_phase_events(story, method.words), *_plan_events(story, method.words), *_flag_events(story)]
+    events = [*_phase_events(span, method.words), *_plan_events(span, method.words), *_flag_events(span)]
     if threshold is not None:
-        events += _spin_events(story, threshold)
+        events += _spin_events(span, threshold)
     return sorted(events, key=lambda event: event.tick)
 
 
-class _Story(NamedTuple):
+class _Span(NamedTuple):
     """Consecutive ticks and the one before."""
 
     ticks: Ticks
@@ -87,34 +87,34 @@ def _changes(values: Ticks) -> list[int]:
     return [int(place) for place in np.flatnonzero(values[1:] != values[:-1])]
 
 
-def _phase_events(story: _Story, words: Words) -> Iterator[Event]:
-    for place in _changes(story.values("phase")):
-        phase = Phase(int(story.ticks["phase"][place]))
+def _phase_events(span: _Span, words: Words) -> Iterator[Event]:
+    for place in _changes(span.values("phase")):
+        phase = Phase(int(span.ticks["phase"][place]))
         bad = phase in (Phase.STOPPED, Phase.FAULTED)
-        yield story.event(place, "phase", "warning" if bad else "info", {**_PHASE_MESSAGES, **words.phase}[phase])
+        yield span.event(place, "phase", "warning" if bad else "info", {**_PHASE_MESSAGES, **words.phase}[phase])
 
 
-def _plan_events(story: _Story, words: Words) -> Iterator[Event]:
-    for place in _changes(story.values("plan")):
-        what = words.plan.get(int(story.ticks["activity"][place]))
+def _plan_events(span: _Span, words: Words) -> Iterator[Event]:
+    for place in _changes(span.values("plan")):
+        what = words.plan.get(int(span.ticks["activity"][place]))
         if what:
-            yield story.event(place, "plan", "info", what)
+            yield span.event(place, "plan", "info", what)
 
 
-def _flag_events(story: _Story) -> Iterator[Event]:
+def _flag_events(span: _Span) -> Iterator[Event]:
     for flag in _FLAGS:
-        for place in _changes(story.values(flag.field)):
-            if story.ticks[flag.field][place]:
-                yield story.event(place, flag.kind, flag.severity, flag.message)
+        for place in _changes(span.values(flag.field)):
+            if span.ticks[flag.field][place]:
+                yield span.event(place, flag.kind, flag.severity, flag.message)
 
 
-def _spin_events(story: _Story, threshold: float) -> Iterator[Event]:
-    spins = story.values("target_twist")[:, 2]
+def _spin_events(span: _Span, threshold: float) -> Iterator[Event]:
+    spins = span.values("target_twist")[:, 2]
     for place in _changes(np.abs(spins) < threshold):
         spin = float(spins[place + 1])
         slow = abs(spin) < threshold
         message = f"Spin {spin:.3f} rad/s is {'under' if slow else 'over'} its threshold of {threshold:g} rad/s"
-        yield story.event(place, "spin_threshold", "info" if slow else "warning", message)
+        yield span.event(place, "spin_threshold", "info" if slow else "warning", message)
 
 
 def touch_event(touch: Touch, period: float) -> Event:
@@ -140,7 +140,7 @@ def locked_event(time: float, period: float) -> Event:
 
 
 def fault_event(fault: PlantError, time: float, period: float) -> Event:
-    """The event of a plant that can no longer be trusted, or of a link that is lost."""
+    """The event of a plant that can no longer be trusted, or of a lost link."""
     kind = "link" if isinstance(fault, LinkLost) else "fault"
     return _event_at(time, period, kind, "error", str(fault), fault.cause)
 

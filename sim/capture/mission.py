@@ -120,7 +120,7 @@ def follow(
     recorded: Ticks,
     rows: Ticks,
 ) -> int:
-    """Judge and command from recorded states, rows of `TICK`, in place of a plant's; `rows` are filled.
+    """Judge recorded states, rows of `TICK`, and command joint rates from them; `rows` are filled.
 
     Returns:
         How many ticks were followed; it stops after the tick of a verdict.
@@ -187,7 +187,7 @@ def prepare(engine: Engine = Engine.PYMUNK) -> None:
 
 
 class Mark(NamedTuple):
-    """Where a mission that follows a recording stood."""
+    """Where a mission that follows a recording was."""
 
     config: MissionConfig
     memory: Record
@@ -206,7 +206,7 @@ class Mission:
     """One mission, on the simulated plant or on another."""
 
     def __init__(self, config: MissionConfig, plant: Plant | None = None) -> None:
-        """Begin where that plant stands.
+        """Begin with the plant in its present state.
 
         Without one, a plant is laid out as configured, in the engine that is configured.
 
@@ -260,7 +260,7 @@ class Mission:
 
     @property
     def next_tick(self) -> int:
-        """The tick that is flown next: what is granted now holds from it on."""
+        """The tick that is flown next: what is granted now takes effect at it."""
         return self._plant.next_tick
 
     @property
@@ -301,7 +301,7 @@ class Mission:
         if fixed:
             raise MissionRefused(
                 f"{', '.join(fixed)} cannot change while a mission is under way",
-                tip="reset the mission; the new value holds from then on",
+                tip="reset the mission; the new value takes effect then",
             )
         self.config = config
         self._adopt(config)
@@ -373,11 +373,11 @@ class Mission:
         return len(rows)
 
     def recall(self, row: Any) -> None:
-        """See a recorded tick, one element of `TICK`, in place of the plant; such a mission follows, it never flies."""
+        """Take a recorded tick, one element of `TICK`, in place of the plant's state; such a mission never flies."""
         recall(row, self._plant.state)
 
     def follow(self, recorded: Ticks) -> Ticks:
-        """What is judged and commanded today in recorded states, an array of `TICK`; the same ticks again."""
+        """What the current code judges and commands in recorded states, an array of `TICK`; the same ticks again."""
         rows = np.zeros(len(recorded), TICK)
         done = 0
         while done < len(rows):
@@ -398,7 +398,7 @@ class Mission:
         return rows
 
     def mark(self) -> Mark:
-        """Where the mission stands; `go_back` returns to it. Of a mission that follows: a plant has no way back."""
+        """Where a mission that follows a recording is now; `go_back` returns to it: a plant cannot go back."""
         return Mark(
             self.config,
             self._memory.copy(),
@@ -414,7 +414,7 @@ class Mission:
         )
 
     def go_back(self, mark: Mark) -> None:
-        """Stand where the mission stood at that mark, from which on it follows as it did then."""
+        """Return to where the mission was at that mark; it then follows as it did from there."""
         if mark.config is not self.config:
             self.config = mark.config
             self._adopt(mark.config)
@@ -442,7 +442,7 @@ class Mission:
         return cage(self.config, row["hand_pose"], row["target_pose"])
 
     def snapshot(self, phase: Phase | None = None) -> Snapshot:
-        """What is published of the last tick; before the first tick, of the start.
+        """The snapshot of the last tick; before the first tick, of the start.
 
         Args:
             phase: what the mission is in by now, if the last tick does not show it yet.

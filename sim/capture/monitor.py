@@ -58,7 +58,7 @@ MONITOR = np.dtype(
 
 @compiled
 def begin_monitoring(monitor: Record, time: float, momentum: FloatArray) -> None:
-    """Forget all that was noted; a sequence begins now [s], with that total momentum, shape (3,)."""
+    """Clear the monitor; a sequence begins now [s], with that total momentum, shape (3,)."""
     monitor.begun_at = time
     monitor.verdict = Verdict.NONE
     monitor.verdict_at = monitor.closed_at = monitor.locked_at = math.nan

@@ -1,8 +1,8 @@
 """A recorded mission at any of its ticks, published as it was then.
 
-A tick tells states and commands; touches, plan and judgement follow from all ticks before it. So today's controller
-follows the recorded states, once, and leaves a mark at the start of every block: from the nearest one any tick of a
-block is a few milliseconds away, forwards or backwards.
+A tick holds states and commanded joint rates; touches, plan and judgement follow from all ticks before it. So the
+current controller follows the recorded states, once, and sets a mark at the start of every block: from the nearest one
+any tick of a block is a few milliseconds away, forwards or backwards.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ _BLOCKS_KEPT = 8
 """Blocks of ticks that stay in memory; about 0.3 MB each."""
 
 _HALF = 0.5
-"""Of a period: recorded times lie within it of tick times period."""
+"""Part of a period by which recorded times may differ from tick times period."""
 
 ReadTicks = Callable[[float, float], Iterator[Ticks]]
 """The recorded ticks from one mission time to another, both included [s]."""
 
 
-class _Place(NamedTuple):
+class _BlockStart(NamedTuple):
     """The start of a block."""
 
     mark: Mark
@@ -44,7 +44,7 @@ class Playback:
     """One recorded mission; belongs to one thread at a time."""
 
     def __init__(self, history: FlightHistory, read: ReadTicks) -> None:
-        """Stand before the first tick.
+        """Start before the first tick.
 
         Raises:
             ConfigError: the target overlaps the robot at the start.
@@ -53,7 +53,7 @@ class Playback:
         self._read = read
         self._period = history.config.control.period
         self._follower = Follower(history)
-        self._places = [_Place(self._follower.mission.mark(), 0)]
+        self._places = [_BlockStart(self._follower.mission.mark(), 0)]
         self._blocks: OrderedDict[int, Ticks] = OrderedDict()
         self._followed = -1
 
@@ -66,7 +66,7 @@ class Playback:
         """The recorded tick nearest to that mission time [s], or the last before it; the start before the first.
 
         Raises:
-            MissionRefused: today's phases do not allow a command that was granted then.
+            MissionRefused: the current phases do not allow a command that was granted then.
 
         """
         tick = max(0, int(time / self._period + _HALF))
@@ -78,7 +78,7 @@ class Playback:
         return self._follower.mission.snapshot()
 
     def _go_to(self, block: int) -> None:
-        """Stand at the start of a block, by way of all that were never passed."""
+        """Go to the start of a block, through all that have not been passed yet."""
         known = min(block, len(self._places) - 1)
         # Going on from where it stands is as good as from a mark, and spares following a part twice.
         if not known * BLOCK - 1 <= self._followed < block * BLOCK:
@@ -87,7 +87,7 @@ class Playback:
             rows = self._block(number)
             self._follow(rows[rows["tick"] > self._followed], (number + 1) * BLOCK - 1)
             if number + 1 == len(self._places):
-                self._places.append(_Place(self._follower.mission.mark(), self._follower.done))
+                self._places.append(_BlockStart(self._follower.mission.mark(), self._follower.done))
 
     def _return_to(self, block: int) -> None:
         place = self._places[block]

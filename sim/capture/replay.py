@@ -1,7 +1,7 @@
 """A mission flown again: what was done to it at which tick, and from that the same ticks, bit for bit.
 
-`flown_to` brings a mission to any tick of its past; `rerun` gives all its ticks anew; `controlled` drives
-recorded states through today's controller; `first_difference` names where two flights part.
+`flown_to` brings a mission to any tick of its past; `rerun` flies all its ticks again; `controlled` drives
+recorded states through the current controller; `first_difference` finds where two flights diverge.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command, Phase
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 
 _CHUNK = 500  # ticks at a time, as in a headless run
 
 
-class Intervention(Published):
+class Intervention(FrozenMessage):
     """What somebody did to a mission: a command that was granted, or parameters that changed."""
 
     tick: int = Field(ge=0, description="The first tick flown under it")
@@ -31,7 +31,7 @@ class Intervention(Published):
     changes: dict[str, Any] = Field(default_factory=dict, description="Full path of each parameter to its new value")
 
 
-class FlightHistory(Published):
+class FlightHistory(FrozenMessage):
     """All that a simulated mission depends on: the same history gives the same ticks."""
 
     config: MissionConfig = Field(description="At tick 0")
@@ -55,33 +55,33 @@ class Difference(NamedTuple):
     now: float
 
 
-def flown_to(history: FlightHistory, tick: int, see: Callable[[Ticks], None] = lambda _: None) -> Mission:
+def flown_to(history: FlightHistory, tick: int, on_ticks: Callable[[Ticks], None] = lambda _: None) -> Mission:
     """The mission with that tick next, as it was before anything was granted or changed at it.
 
-    `see` is shown the ticks before it, arrays of `TICK`, as they are flown.
+    `on_ticks` is called with the ticks before it, arrays of `TICK`, as they are flown.
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
-        MissionRefused: the history holds what no mission grants.
+        MissionRefused: the history holds an intervention that is never granted.
         PlantDiverged: the plant failed before that tick.
 
     """
-    flight = _Flight(history)
+    flight = _Rerun(history)
     for rows in flight.ticks_before(tick):
         flight.mission.take_events()
-        see(rows)
+        on_ticks(rows)
     return flight.mission
 
 
 def rerun(history: FlightHistory, end: int) -> Iterator[Ticks]:
-    """The ticks 0 to `end` (without it), flown anew; ends early with a plant that fails.
+    """The ticks 0 to `end` (without it), flown again; ends early with a plant that fails.
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
-        MissionRefused: the history holds what no mission grants.
+        MissionRefused: the history holds an intervention that is never granted.
 
     """
-    flight = _Flight(history)
+    flight = _Rerun(history)
     for rows in flight.ticks_before(end):
         flight.mission.take_events()
         yield rows
@@ -90,12 +90,12 @@ def rerun(history: FlightHistory, end: int) -> Iterator[Ticks]:
 
 
 def controlled(history: FlightHistory, recorded: Iterable[Ticks]) -> Iterator[Ticks]:
-    """What today's controller commands in the recorded states, arrays of `TICK`, in the same pieces.
+    """The joint rates that the current controller commands in recorded states, arrays of `TICK`, in the same pieces.
 
     Ticks may be missing where nothing moved: a resting controller forgets nothing.
 
     Raises:
-        MissionRefused: today's phases do not allow a command that was granted then.
+        MissionRefused: the current phases do not allow a command that was granted then.
 
     """
     follower = Follower(history)
@@ -105,7 +105,7 @@ def controlled(history: FlightHistory, recorded: Iterable[Ticks]) -> Iterator[Ti
 
 
 def intervene(mission: Mission, intervention: Intervention) -> None:
-    """Do again what was done.
+    """Apply an intervention again.
 
     Raises:
         ConfigError: a parameter that does not exist any more, or a value that is out of bounds now.
@@ -145,22 +145,24 @@ def _bits(values: np.ndarray[Any, np.dtype[Any]]) -> np.ndarray[Any, np.dtype[An
 
 
 class Follower:
-    """A mission that sees recorded ticks in place of a plant, and is done to what was done to it then."""
+    """A mission that is given recorded ticks in place of a plant, and the interventions that it had then."""
 
     def __init__(self, history: FlightHistory) -> None:
         self.mission = Mission(history.config)
         self.done = 0
-        """How many of the interventions are behind it."""
+        """How many of the interventions have been applied."""
         self._interventions = history.interventions
 
     def follow(self, recorded: Ticks) -> Ticks:
-        """What is judged and commanded today in these states, an array of `TICK` that follows those before.
+        """What the current code judges and commands in these states, an array of `TICK` that follows those before.
 
         Raises:
-            MissionRefused: today's phases do not allow a command that was granted then.
+            MissionRefused: the current phases do not allow a command that was granted then.
 
         """
-        rows = np.empty(len(recorded), TICK)  # what a file gives is read-only, for which all would be compiled anew
+        rows = np.empty(
+            len(recorded), TICK
+        )  # what a file gives is read-only, for which everything would be compiled again
         rows[:] = recorded
         pieces, place = [rows[:0]], 0
         while place < len(rows):
@@ -179,15 +181,15 @@ class Follower:
         return self._interventions[self.done].tick if self.done < len(self._interventions) else None
 
 
-class _Flight:
-    """A mission on its way through its history."""
+class _Rerun:
+    """A mission being flown again through its history."""
 
     def __init__(self, history: FlightHistory) -> None:
         self.mission = Mission(history.config)
         self._left = list(history.interventions)
 
     def ticks_before(self, end: int) -> Iterator[Ticks]:
-        """Fly up to `end`; what is granted at it is left undone."""
+        """Fly up to `end`; interventions at `end` are not applied."""
         mission = self.mission
         while mission.next_tick < end:
             while self._left and self._left[0].tick <= mission.next_tick:

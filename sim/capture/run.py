@@ -29,7 +29,7 @@ class RunResult:
 
     @property
     def real_time_factor(self) -> float:
-        """Simulated seconds a second."""
+        """Simulated seconds per second of compiled time."""
         return self.simulated_time / self.wall_time if self.wall_time > 0.0 else 0.0
 
 
@@ -62,7 +62,7 @@ def run_capture(
         rows = mission.advance(_CHUNK)
         wall_time += time.perf_counter() - before
         ticks += len(rows)
-        events += _told(mission, on_event)
+        events += _drain_events(mission, on_event)
         if on_ticks is not None:
             on_ticks(rows)
     return RunResult(
@@ -74,8 +74,8 @@ def run_capture(
     )
 
 
-def _told(mission: Mission, on_event: Callable[[Event], None] | None) -> list[Event]:
-    """The events since the last call, told one by one."""
+def _drain_events(mission: Mission, on_event: Callable[[Event], None] | None) -> list[Event]:
+    """The events since the last call, each passed to `on_event`."""
     events = mission.take_events()
     for event in events:
         if on_event is not None:

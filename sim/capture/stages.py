@@ -1,4 +1,4 @@
-"""The sequence as a mission goes through it: which phases are done, which failed, which were never flown."""
+"""How far a mission has come in its sequence: which phases are done, failed, skipped or ahead."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Visit(NamedTuple):
     end: float
     """[s]"""
     unmet: str
-    """What it had not reached of what it is for; empty if it had."""
+    """What the phase had failed to achieve; empty if nothing."""
 
 
 def visits_after(visits: Ordered[Visit], ticks: Ticks, config: MissionConfig) -> list[Visit]:
@@ -81,7 +81,7 @@ def _stage(phase: Phase, visits: Ordered[Visit], present: Phase, outcome: Outcom
 
 
 def _failure(visit: Visit, following: Phase, outcome: Outcome | None) -> str:
-    """Why a phase that was left had not reached what it is for; empty if it had."""
+    """Why a phase that was left had not achieved its purpose; empty if it had."""
     if visit.phase not in (Phase.DETUMBLING, Phase.CAGING):
         return ""
     judged = outcome is not None and not outcome.caged

@@ -92,7 +92,7 @@ TICK = _dtype()
 """Without a gap between its fields, so that equal ticks are equal bytes."""
 
 
-class Column(NamedTuple):
+class TickColumn(NamedTuple):
     """One column of a table of ticks."""
 
     name: str
@@ -104,24 +104,24 @@ class Column(NamedTuple):
     """Where in that field, after the tick's axis."""
 
 
-def columns_of(quantity: Quantity) -> list[Column]:
+def columns_of(quantity: Quantity) -> list[TickColumn]:
     """The columns of one field of `TICK`."""
     groups = [(name, (arm,)) for arm, name in enumerate(ARMS)] if quantity.group == "arm" else [(quantity.group, ())]
-    columns: list[Column] = []
+    columns: list[TickColumn] = []
     for group, leading in groups:
         stem = f"{group}.{quantity.name.removeprefix(group + '_')}"
         if not quantity.axes:
-            columns.append(Column(stem, quantity.unit, quantity.name, leading))
+            columns.append(TickColumn(stem, quantity.unit, quantity.name, leading))
         for element, (axis, unit) in enumerate(quantity.axes):
             inner = tuple(int(i) for i in np.unravel_index(element, quantity.shape)) if quantity.shape else (element,)
-            columns.append(Column(f"{stem}.{axis}", unit, quantity.name, (*leading, *inner)))
+            columns.append(TickColumn(f"{stem}.{axis}", unit, quantity.name, (*leading, *inner)))
     return columns
 
 
-COLUMNS: tuple[Column, ...] = tuple(column for quantity in QUANTITIES for column in columns_of(quantity))
+COLUMNS: tuple[TickColumn, ...] = tuple(column for quantity in QUANTITIES for column in columns_of(quantity))
 
 
-def column_values(ticks: np.ndarray[Any, np.dtype[Any]], column: Column) -> np.ndarray[Any, np.dtype[Any]]:
+def column_values(ticks: np.ndarray[Any, np.dtype[Any]], column: TickColumn) -> np.ndarray[Any, np.dtype[Any]]:
     """The values of one column over an array of `TICK`, shape (ticks,)."""
     where: tuple[Any, ...] = (slice(None), *column.place)
     values: np.ndarray[Any, np.dtype[Any]] = ticks[column.quantity][where]

@@ -1,1 +1,1 @@
-"""The controller: plans, tracking, admittance, phases; one tick from plant state to joint rates."""
+"""The controller's tools: plans, tracking, admittance, phases, and hand motion to joint rates."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 NEVER = -1e9
-"""A time [s] before every mission: 'has not happened', for times that are compared as older than."""
+"""A time [s] before every mission: 'has not happened', for times that are compared."""
 
 NO_PLAN = 0
 """The kind of no plan; a method numbers its own from 1."""

@@ -1,4 +1,4 @@
-"""Phases of a mission, what an operator may ask in each, and the answers.
+"""Phases of a mission, the commands that are allowed in each, and the answers.
 
 `next_phase` is pure: it decides requests only. What follows from time and measurement (touch, spin under its
 threshold, plan finished, verdict) is decided in the tick, by the method (`sim.method.method`).

@@ -17,7 +17,7 @@ def tracking_velocity(
     integral: FloatArray,
     velocity: FloatArray,
 ) -> None:
-    """Velocity to command for one hand, and its error integral one period on, both in place, shape (3,).
+    """The velocity that one hand should have, and its error integral one period on, both in place, shape (3,).
 
     Args:
         gains: record of `TrackingConfig`.

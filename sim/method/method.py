@@ -38,7 +38,7 @@ MethodHandle = Any
 
 
 class Words(NamedTuple):
-    """What a method says of itself."""
+    """What a method says about itself."""
 
     phase: Mapping[Phase, str]
     """Of the phases that it fills: the message of the event when one begins."""
@@ -49,7 +49,7 @@ class Words(NamedTuple):
     next_step: Callable[[Any, MissionConfig, Phase], tuple[str, list[Condition]]]
     """The phase or command that comes next at a tick, and what speaks for or against it."""
     unmet: Callable[[Any, MissionConfig], str]
-    """What a phase has not reached of what it is for, at its last tick; empty if it has."""
+    """What a phase has failed to achieve, at its last tick; empty if nothing."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def method_of(config: MissionConfig) -> Method:
     return method
 
 
-class _Kernel(NamedTuple):
+class _MethodKernel(NamedTuple):
     """Compiled functions of one class of handles."""
 
     begin: Callable[..., None]
@@ -89,7 +89,7 @@ class _Kernel(NamedTuple):
     hand_twist: Callable[..., int]
 
 
-_KERNELS: dict[type, _Kernel] = {}
+_KERNELS: dict[type, _MethodKernel] = {}
 
 
 def register_kernel(
@@ -111,7 +111,7 @@ def register_kernel(
             [m/s, rad/s] in world axes; gives an arm, `BOTH_ARMS` or `NO_HANDS`.
 
     """
-    _KERNELS[handle] = _Kernel(begin, react, plan, hand_twist)
+    _KERNELS[handle] = _MethodKernel(begin, react, plan, hand_twist)
 
 
 def _begin(handle: MethodHandle, memory: Record) -> None:

@@ -1,4 +1,4 @@
-"""Which methods there are: the one line that each needs outside its folder.
+"""The list of methods: the one line that each needs outside its folder.
 
 A method named `x` lives in the folder `sim/method/x`: its parameters in `parameters.py`, and in `method.py` its
 `METHOD` (`sim.method.method.Method`).

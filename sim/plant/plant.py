@@ -1,4 +1,4 @@
-"""A plant as the mission sees it: `PLANT_STATE` out, commanded joint rates in, once a control period.
+"""The interface of a plant: `PLANT_STATE` out, commanded joint rates in, once a control period.
 
 A plant is a value of the protocol `Plant`. One that compiled code can step has a *handle*, a named tuple of its own
 class, and registers with `register_kernel` what a step of that handle does; `advance_plant` is generic in it: numba
@@ -54,7 +54,7 @@ class Plant(Protocol):
 
     @property
     def next_tick(self) -> int:
-        """The tick that is decided next: what is granted now holds from it on."""
+        """The tick that is decided next: what is granted now takes effect at it."""
         ...
 
     @property
@@ -92,18 +92,18 @@ class AirTable(NamedTuple):
     """Likewise."""
 
 
-class _Kernel(NamedTuple):
+class _PlantKernel(NamedTuple):
     """Compiled functions of one class of handles."""
 
     step: Callable[..., None]
     momentum_size: Callable[..., float]
 
 
-_KERNELS: dict[type, _Kernel] = {}
+_KERNELS: dict[type, _PlantKernel] = {}
 
 
 def register_kernel(handle: type, *, step: Callable[..., None], momentum_size: Callable[..., float]) -> None:
-    """Say what stepping a plant with that class of handle is.
+    """Register what a step of a plant with that class of handle is.
 
     Args:
         handle: the named tuple's class.
@@ -113,7 +113,7 @@ def register_kernel(handle: type, *, step: Callable[..., None], momentum_size: C
             1 m], by which a jump of the total is judged.
 
     """
-    _KERNELS[handle] = _Kernel(step, momentum_size)
+    _KERNELS[handle] = _PlantKernel(step, momentum_size)
 
 
 def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
@@ -173,5 +173,5 @@ def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArra
 
 
 def diverged_at(time: float) -> str:
-    """What is said of a simulated plant that can no longer be trusted from that mission time on [s]."""
+    """The message about a simulated plant that can no longer be trusted from that mission time on [s]."""
     return f"the simulated state is not finite, or its momentum jumped, at {time:.3f} s"

@@ -21,7 +21,7 @@ class ScriptedPlant:
     handle = None
 
     def __init__(self, states: np.ndarray[Any, np.dtype[Any]]) -> None:
-        """Stand before the first of the states, a non-empty array of `PLANT_STATE`.
+        """Start before the first of the states, a non-empty array of `PLANT_STATE`.
 
         Raises:
             ValueError: there is none, or it is of another type.

@@ -1,4 +1,4 @@
-"""What is flown to reproduce the paper, and what the flights say: captures whole, cells of its study, ablations."""
+"""What is flown to reproduce the paper: whole captures, cells of its study, ablations."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from sim.reproduction.published import (
     MASS,
     REPRODUCTION_ENGINE,
     STIFFNESS,
-    Impedance,
+    PublishedImpedance,
     published_classes,
     published_study,
 )
@@ -26,7 +26,7 @@ from sim.study.design import ENGINE, Study, configured, study_of
 from sim.study.run import Row
 
 
-class Flown(NamedTuple):
+class FlownCapture(NamedTuple):
     """One capture with every tick of it."""
 
     config: MissionConfig
@@ -36,7 +36,7 @@ class Flown(NamedTuple):
     events: list[Event]
 
 
-def fly_whole(config: MissionConfig, *, direct: bool = False) -> Flown:
+def fly_whole(config: MissionConfig, *, direct: bool = False) -> FlownCapture:
     """Fly a capture to its verdict and keep every tick.
 
     Raises:
@@ -45,16 +45,16 @@ def fly_whole(config: MissionConfig, *, direct: bool = False) -> Flown:
     """
     kept: list[Ticks] = []
     result = run_capture(config, direct=direct, on_ticks=kept.append)
-    return Flown(config, direct, np.concatenate(kept), result.outcome, result.events)
+    return FlownCapture(config, direct, np.concatenate(kept), result.outcome, result.events)
 
 
-def fly_row(study: Study, row: Row) -> Flown:
+def fly_row(study: Study, row: Row) -> FlownCapture:
     """Fly the cell of a row again, and keep every tick."""
     return fly_whole(configured(study.base, study.cell(row["cell"])))
 
 
 def tables_study(configuration: str, every: int) -> Study:
-    """The paper's 484 cells with the constants of that configuration, or every so manieth damping and stiffness."""
+    """The paper's 484 cells with the constants of that configuration, or with every N-th damping and stiffness only."""
     grid = {path: list(axis.listed()) for path, axis in published_study().grid.items()}
     for path in (DAMPING, STIFFNESS):
         grid[path] = grid[path][::every]
@@ -74,7 +74,7 @@ class Origin(StrEnum):
 
 
 class Ablation(NamedTuple):
-    """One constant of `published` put to another value."""
+    """One constant of `published` set to another value."""
 
     name: str
     words: str
@@ -107,9 +107,9 @@ def ablation_study(ablation: Ablation, every: int) -> Study:
     return study_of({**whole, "name": f"ablation_{ablation.name}", "changes": {**whole["changes"], **ablation.changes}})
 
 
-def impedance_of(row: Row) -> Impedance:
-    """The three numbers that tell a row's cell apart."""
-    return Impedance(row[MASS], row[DAMPING], row[STIFFNESS])
+def impedance_of(row: Row) -> PublishedImpedance:
+    """The impedance of a row's cell."""
+    return PublishedImpedance(row[MASS], row[DAMPING], row[STIFFNESS])
 
 
 def succeeded(row: Row) -> bool:
@@ -118,7 +118,7 @@ def succeeded(row: Row) -> bool:
 
 
 class Example(NamedTuple):
-    """A cell that stands for others of its kind."""
+    """A typical cell of one kind of outcome."""
 
     kind: str
     """dead_touch, beside_it, rebound, ejection, unresolved or lost_after_closure."""
@@ -128,7 +128,7 @@ class Example(NamedTuple):
 
 
 def examples(rows: Sequence[Row], config: MissionConfig) -> list[Example]:
-    """One cell of each way to fail that is among the rows, and the success beside the first."""
+    """One cell of each kind of failure among the rows, and the success beside the first."""
     slow, threshold = config.published.caging.slow_spin, config.published.caging.spin_threshold
     kinds: dict[str, list[Row]] = {
         "dead_touch": [], "rebound": [], "ejection": [], "unresolved": [], "lost_after_closure": []

@@ -14,11 +14,19 @@ import numpy as np
 from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.reproduction.experiments import Ablation, Example, Flown, examples, impedance_of, published_config, succeeded
+from sim.reproduction.experiments import (
+    Ablation,
+    Example,
+    FlownCapture,
+    examples,
+    impedance_of,
+    published_config,
+    succeeded,
+)
 from sim.reproduction.first_touch import TouchState, effective_mass, lever_of
-from sim.reproduction.first_touch_prediction import Foretold, foretold, quality, touch_state
+from sim.reproduction.first_touch_prediction import Prediction, prediction_score, predictions, touch_state
 from sim.reproduction.published import DAMPING, MASS, STIFFNESS, agreement, cohens_kappa, published_classes
-from sim.study.capture_metrics import Stage
+from sim.study.capture_metrics import ContactStage
 from sim.study.run import Row
 
 AUTHORS_AGREEMENT = {"agreeing": 481, "cells": 484}
@@ -26,11 +34,11 @@ AUTHORS_AGREEMENT = {"agreeing": 481, "cells": 484}
 
 
 class Captures(NamedTuple):
-    """The captures that are shown whole."""
+    """The captures that the report shows in full."""
 
-    direct: Flown
-    representative: Flown
-    figures: Flown
+    direct: FlownCapture
+    representative: FlownCapture
+    figures: FlownCapture
     """With the impedance that fits the paper's figures."""
 
 
@@ -42,7 +50,7 @@ class Reproduction(NamedTuple):
     published: Sequence[Row]
     as_printed: Sequence[Row]
     ablations: Sequence[tuple[Ablation, Sequence[Row]]]
-    cells: Sequence[Foretold]
+    cells: Sequence[Prediction]
     touch: TouchState
     examples: Sequence[Example]
 
@@ -59,10 +67,10 @@ def reproduction(
     as_printed: Sequence[Row],
     ablations: Sequence[tuple[Ablation, Sequence[Row]]],
 ) -> Reproduction:
-    """What follows from the flights: the first touch by itself, and the cells that stand for others."""
+    """What follows from the flights: the first touch by itself, and the typical cells."""
     config = published_config()
     touch = touch_state(config, captures.representative.ticks)
-    cells = foretold(config, touch, published)
+    cells = predictions(config, touch, published)
     return Reproduction(every, captures, published, as_printed, ablations, cells, touch, examples(published, config))
 
 
@@ -148,7 +156,7 @@ def _differing(rows: Sequence[Row]) -> list[dict[str, Any]]:
     ]
 
 
-def _capture(flown: Flown) -> dict[str, Any]:
+def _capture(flown: FlownCapture) -> dict[str, Any]:
     outcome = flown.outcome
     first = outcome.contacts[0] if outcome.contacts else None
     degrees = np.degrees(flown.ticks["base_pose"][:, 2])
@@ -167,7 +175,7 @@ def _spin_at(ticks: Ticks, time: float) -> float:
     return float(ticks["target_twist"][place, 2])
 
 
-def _beside_the_authors(direct: Flown) -> dict[str, Any]:
+def _beside_the_authors(direct: FlownCapture) -> dict[str, Any]:
     """Our direct run beside theirs, at their instants, up to half a second after the first touch."""
     theirs, ticks = authors_run(), direct.ticks
     touching = (theirs["Fhand_L"] > 0.0) | (theirs["Fhand_R"] > 0.0)
@@ -183,7 +191,7 @@ def _beside_the_authors(direct: Flown) -> dict[str, Any]:
 
 
 def _after_closure(rows: Sequence[Row], config: MissionConfig) -> dict[str, Any]:
-    """What a judgement at the first closed instant does not see."""
+    """What a judgement at the first closed instant leaves out."""
     captured = [row for row in rows if succeeded(row)]
     reduced = [row for row in rows if row["at_first_closure"] == "caged_force_reduced"]
     blows = np.array([row["peak_tip_force"] for row in reduced]) if reduced else np.zeros(1)
@@ -198,8 +206,8 @@ def _after_closure(rows: Sequence[Row], config: MissionConfig) -> dict[str, Any]
         "smallest_blow": float(blows.min()),
         "largest_blow": float(blows.max()),
         "force_bound": bound,
-        "hardest": {stage.value: sum(row["peak_stage"] == stage for row in captured) for stage in Stage},
-        "hardest_of_all": {stage.value: sum(row["peak_stage"] == stage for row in rows) for stage in Stage},
+        "hardest": {stage.value: sum(row["peak_stage"] == stage for row in captured) for stage in ContactStage},
+        "hardest_of_all": {stage.value: sum(row["peak_stage"] == stage for row in rows) for stage in ContactStage},
         "captured_not_caged": sum(not row["caged"] for row in captured),
     }
 
@@ -228,11 +236,11 @@ def _first_touch(found: Reproduction) -> dict[str, Any]:
         "longest_wait": math.pi / 2.0 / caging.slow_spin + caging.minimum_approach_time,
         "touch_duration": _spread([cell.row["first_touch_end"] - begun for cell in found.cells]),
         "dead_single_touch": sum(cell.row["touches"] == 1 for cell in dead),
-        **quality(config, found.cells).model_dump(),
+        **prediction_score(config, found.cells).model_dump(),
     }
 
 
-def _is_dead(cell: Foretold, config: MissionConfig) -> bool:
+def _is_dead(cell: Prediction, config: MissionConfig) -> bool:
     caging = config.published.caging
     return caging.slow_spin < abs(cell.measured.spin) < caging.spin_threshold
 

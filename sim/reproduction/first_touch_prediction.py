@@ -1,4 +1,4 @@
-"""How well the first touch alone foretells a capture: the collision models against the flights, cell by cell."""
+"""How well the first touch alone predicts a capture: the collision models against the flights, cell by cell."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from sim.reproduction.first_touch import (
     planar_touch,
 )
 from sim.reproduction.published import DAMPING, MASS, STIFFNESS, cohens_kappa
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.run import Row
 
 
-class Foretold(NamedTuple):
-    """A cell, what its first touch left, and what the models say that it leaves."""
+class Prediction(NamedTuple):
+    """A cell, what its first touch left, and what the models predict that it leaves."""
 
     row: Row
     measured: Residual
@@ -44,8 +44,8 @@ class Foretold(NamedTuple):
         return succeeded(self.row)
 
 
-class Quality(Published):
-    """How well the planar model foretells."""
+class PredictionScore(FrozenMessage):
+    """How well the planar model predicts spin, drift and success."""
 
     cells: int
     spin_error: float = Field(description="Median difference of the residual spin from that in flight [rad/s]")
@@ -54,10 +54,10 @@ class Quality(Published):
     drift_error: float = Field(description="Median difference of the drift [m/s]")
     drift_correlation: float
     drift_bound: float = Field(description="Drift above which a capture fails [m/s]; fitted to the drifts in flight")
-    kappa_measured: float = Field(description="Success by the rule on spin and drift in flight, against the outcome")
-    kappa_planar: float = Field(description="... on those of the planar model")
-    kappa_closed_form: float = Field(description="... on those of the collision in closed form")
-    share_planar: float = Field(description="Cells whose success or failure the planar model foretells")
+    kappa_measured: float = Field(description="Success as predicted from spin and drift in flight, against the outcome")
+    kappa_planar: float = Field(description="... from those of the planar model")
+    kappa_closed_form: float = Field(description="... from those of the collision in closed form")
+    share_planar: float = Field(description="Cells whose success or failure the planar model predicts")
     kappa_spin_only: float = Field(description="By the spin of the planar model alone, without a fitted bound")
 
 
@@ -82,7 +82,7 @@ def touch_state(config: MissionConfig, ticks: Ticks) -> TouchState:
     )
 
 
-def foretold(config: MissionConfig, state: TouchState, rows: Sequence[Row]) -> list[Foretold]:
+def predictions(config: MissionConfig, state: TouchState, rows: Sequence[Row]) -> list[Prediction]:
     """Both models for every row whose capture had a first touch."""
     lever, spin = lever_of(state, config), float(state.target_twist[2])
     carried = effective_mass(config.target.mass, config.target.inertia, lever)
@@ -94,26 +94,26 @@ def foretold(config: MissionConfig, state: TouchState, rows: Sequence[Row]) -> l
         own = revised(config, nested(impedance))
         measured = Residual(row["spin_after_first_touch"], row["drift_after_first_touch"], math.nan)
         ratio = damping_ratio(row[DAMPING], row[STIFFNESS], carried + row[MASS])
-        cells.append(Foretold(row, measured, planar_touch(own, state), collision(own, lever, spin), ratio))
+        cells.append(Prediction(row, measured, planar_touch(own, state), collision(own, lever, spin), ratio))
     return cells
 
 
-def rule(config: MissionConfig, left: Residual, drift_bound: float) -> bool:
-    """Whether a capture succeeds, by what its first touch leaves.
+def predicts_success(config: MissionConfig, left: Residual, drift_bound: float) -> bool:
+    """Whether a capture is predicted to succeed, by what its first touch leaves.
 
-    It does not if the spin lies between the planner's slow spin and the threshold of detumbling, where the
+    It is not if the spin lies between the planner's slow spin and the threshold of detumbling, where the
     hands wait for a corner, nor if the target drifts faster than the bound.
     """
     caging = config.published.caging
     return not caging.slow_spin < abs(left.spin) < caging.spin_threshold and left.drift <= drift_bound
 
 
-def quality(config: MissionConfig, cells: Sequence[Foretold]) -> Quality:
-    """The models' errors, and the agreement of the rule with the outcomes."""
+def prediction_score(config: MissionConfig, cells: Sequence[Prediction]) -> PredictionScore:
+    """The models' errors, and how well the predicted success agrees with the outcomes."""
     spin, drift = _values(cells, 0), _values(cells, 1)
     bound = _drift_bound(config, cells)
-    planar = [(cell.success, rule(config, cell.planar, bound)) for cell in cells]
-    return Quality(
+    planar = [(cell.success, predicts_success(config, cell.planar, bound)) for cell in cells]
+    return PredictionScore(
         cells=len(cells),
         spin_error=float(np.median(np.abs(spin[0] - spin[1]))),
         spin_error_90=float(np.quantile(np.abs(spin[0] - spin[1]), 0.9)),
@@ -129,7 +129,7 @@ def quality(config: MissionConfig, cells: Sequence[Foretold]) -> Quality:
     )
 
 
-def _values(cells: Sequence[Foretold], place: int) -> FloatArray:
+def _values(cells: Sequence[Prediction], place: int) -> FloatArray:
     """In flight and by the planar model: spin (0) or drift (1), shape (2, cells)."""
     return np.array([[cell.measured[place], cell.planar[place]] for cell in cells]).T
 
@@ -139,12 +139,12 @@ def _correlation(ones: FloatArray, others: FloatArray) -> float:
     return float(np.asarray(np.corrcoef(ones, others))[0, 1])
 
 
-def _kappa(config: MissionConfig, cells: Sequence[Foretold], by: str, bound: float) -> float:
-    pairs = [(str(cell.success), str(rule(config, getattr(cell, by), bound))) for cell in cells]
+def _kappa(config: MissionConfig, cells: Sequence[Prediction], by: str, bound: float) -> float:
+    pairs = [(str(cell.success), str(predicts_success(config, getattr(cell, by), bound))) for cell in cells]
     return cohens_kappa(pairs)
 
 
-def _drift_bound(config: MissionConfig, cells: Sequence[Foretold]) -> float:
+def _drift_bound(config: MissionConfig, cells: Sequence[Prediction]) -> float:
     """The drift in flight that tells success from failure best; midway between two cells."""
     drifts = np.unique([cell.measured.drift for cell in cells])
     bounds = [*(0.5 * (drifts[1:] + drifts[:-1])), drifts[-1]]

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from sim.config import Engine
 from sim.errors import ConfigError
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.design import ENGINE, Study, study_of
 from sim.study.run import Row
 
@@ -27,12 +27,12 @@ STIFFNESS = "published.impedance.stiffness"
 
 
 REPRODUCTION_ENGINE = Engine.PYMUNK
-"""What flies the paper's tables: all that is written about them is of this plant."""
+"""The engine that flies the paper's tables: all that is written about them holds for this plant."""
 
 
 @cache
 def published_study() -> Study:
-    """The parametric study of the paper; made when it is first asked for, since that runs compiled code."""
+    """The parametric study of the paper; made on first use, since that runs compiled code."""
     return study_of(
         {
             "name": "published",
@@ -51,7 +51,7 @@ def published_study() -> Study:
 NAMED_STUDIES: Mapping[str, Callable[[], Study]] = {"published": published_study}
 
 NOT_FLOWN = "none"
-"""Stands for the class of a cell that failed: it agrees with nothing published."""
+"""In place of the class of a cell that could not be flown: it agrees with nothing published."""
 
 
 def named_study(name: str) -> Study:
@@ -68,8 +68,8 @@ def named_study(name: str) -> Study:
     return made()
 
 
-class Impedance(NamedTuple):
-    """The three numbers that tell the cells of the published study apart."""
+class PublishedImpedance(NamedTuple):
+    """The virtual impedance of a cell of the published study."""
 
     mass: float
     """[kg]"""
@@ -79,26 +79,26 @@ class Impedance(NamedTuple):
     """[N/m]"""
 
 
-class Agreement(Published):
+class Agreement(FrozenMessage):
     """How far the rows of a study agree with one published table, judged as the paper judges."""
 
     mass: float = Field(description="Virtual mass of the table [kg]")
     cells: int = Field(description="Cells of the table that the study has flown")
     agreeing: int = Field(description="... whose class is the published one, of five")
     share: float
-    kappa: float = Field(description="Cohen's kappa over the classes: 0 as by chance, 1 the same")
+    kappa: float = Field(description="Cohen's kappa over the classes: 0 as by chance, 1 identical")
     success_agreeing: int = Field(description="... that succeed or fail as published")
     success_share: float
     success_kappa: float = Field(description="Cohen's kappa over success and failure")
 
 
 @cache
-def published_classes() -> Mapping[Impedance, str]:
+def published_classes() -> Mapping[PublishedImpedance, str]:
     """The class that the paper prints for each cell of its two tables at hand."""
     text = files("sim.reproduction").joinpath("data", "published_tables.json").read_text(encoding="utf-8")
     tables = json.loads(text)
     return {
-        Impedance(float(mass), float(damping), float(stiffness)): printed
+        PublishedImpedance(float(mass), float(damping), float(stiffness)): printed
         for mass, lines in tables["tables_by_m_im_kg"].items()
         for stiffness, line in zip(tables["k_im_N_per_m"], lines, strict=True)
         for damping, printed in zip(tables["d_im_Ns_per_m"], line, strict=True)
@@ -106,7 +106,7 @@ def published_classes() -> Mapping[Impedance, str]:
 
 
 def is_comparable(study: Study) -> bool:
-    """Whether the published tables can be laid beside this study: a grid over the same three, that detumbles."""
+    """Whether this study can be compared with the published tables: a grid over the same three, with detumbling."""
     return set(study.grid) == set(published_study().grid) and study.samples is None and not study.direct
 
 
@@ -114,13 +114,13 @@ def agreement(rows: Iterable[Row]) -> list[Agreement]:
     """Our classes at the first closure against the published ones, table by table.
 
     Args:
-        rows: of a study over mass, damping and stiffness; a cell that no table has counts nowhere.
+        rows: of a study over mass, damping and stiffness; a cell that is in no table is ignored.
 
     """
     printed = published_classes()
     pairs: dict[float, list[tuple[str, str]]] = {}
     for row in rows:
-        impedance = Impedance(row[MASS], row[DAMPING], row[STIFFNESS])
+        impedance = PublishedImpedance(row[MASS], row[DAMPING], row[STIFFNESS])
         if impedance in printed:
             ours = row["at_first_closure"] or NOT_FLOWN
             pairs.setdefault(impedance.mass, []).append((ours, printed[impedance]))

@@ -1,6 +1,6 @@
 """Which values a parameter takes in a study: listed, in a range, or drawn from a distribution.
 
-Everything here is checked when it is read, so that a study that cannot be is refused before anything flies.
+Everything here is checked when it is read, so that an invalid study is refused before anything flies.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Value = float | int | str
 """Of a parameter: a number, a whole number, or the name of a choice."""
 
 LONGEST_AXIS = 1_000_000
-"""Values of one axis, and draws of one sample: more are a slip of the pen."""
+"""Values of one axis, and draws of one sample: more are taken for a typing error."""
 
 _NEITHER = "give a list of values, or from, to and either step or count"
 _DIGITS = 12
@@ -50,7 +50,7 @@ class StudyModel(BaseModel):
 
 
 class Spacing(StrEnum):
-    """In which measure values are spread evenly."""
+    """On which scale values are evenly spaced."""
 
     LINEAR = "linear"
     LOGARITHMIC = "logarithmic"
@@ -233,21 +233,21 @@ def is_whole(path: str) -> bool:
 
 
 def is_number(path: str) -> bool:
-    """Whether that parameter takes any number between its bounds; of one that is gone any value is kept."""
+    """Whether that parameter takes any number between its bounds; of a removed one any value is kept."""
     return path not in PARAMETERS or PARAMETERS[path].annotation is float
 
 
 def why_gone(path: str) -> str | None:
-    """Why a parameter that there has been is gone; None of one that there is, and of one that there never was."""
+    """Why a former parameter was removed; None for one that exists, and for one that never did."""
     change = change_of(path, PARAMETER_CHANGES)
     return None if change is None or change.new is not None else change.why
 
 
 def require_parameter(path: str, where: str) -> None:
-    """Refuse a path that is no parameter.
+    """Refuse a path that is not a parameter.
 
     Raises:
-        ValueError: it is none; the message names the nearest one.
+        ValueError: it is not; the message names the nearest one.
 
     """
     if path not in PARAMETERS:
@@ -255,7 +255,7 @@ def require_parameter(path: str, where: str) -> None:
 
 
 def checked(path: str, value: Any, where: str) -> Value:
-    """The value as that parameter keeps it: within its bounds, and of its type; as it is, of one that is gone.
+    """The value as that parameter keeps it: within its bounds, and of its type; unchanged for a removed one.
 
     Raises:
         ValueError: it is not; the message names parameter, value, bound and unit.
@@ -274,7 +274,7 @@ def checked(path: str, value: Any, where: str) -> Value:
 
 
 def parameter_words(path: str) -> tuple[str, str]:
-    """Unit and description of that parameter; of one that is gone why it is."""
+    """Unit and description of that parameter; of a removed one why it was."""
     if path not in PARAMETERS:
         return "1", f"No longer a parameter: {why_gone(path)}"
     field = PARAMETERS[path]

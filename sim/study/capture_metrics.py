@@ -16,15 +16,15 @@ from sim.method.method import method_of
 from sim.snapshot import Outcome
 
 
-class Stage(StrEnum):
+class ContactStage(StrEnum):
     """Where in a capture a contact falls."""
 
     TOUCH = "touch"
-    """While the target is being calmed, up to the plan that closes the hands."""
+    """While the target is being detumbled, up to the plan that closes the hands."""
     CLOSING = "closing"
     """While the hands close, up to the first closed instant."""
     AFTER_CLOSURE = "after_closure"
-    """After the first closed instant, which the paper's classification does not see."""
+    """After the first closed instant, which the paper's classification leaves out."""
 
 
 class _Signals(NamedTuple):
@@ -47,7 +47,7 @@ class CaptureMetrics:
         self._closing = method_of(config).closing
 
     def update(self, ticks: Ticks) -> None:
-        """Keep what is needed of consecutive ticks."""
+        """Take in consecutive ticks."""
         force = np.hypot(ticks["hand_wrench"][:, :, 0], ticks["hand_wrench"][:, :, 1]).max(axis=1)
         closing = (ticks["phase"] == Phase.CAGING) & np.isin(ticks["activity"], self._closing)
         self._signals.append(
@@ -61,7 +61,7 @@ class CaptureMetrics:
         )
 
     def measures(self, outcome: Outcome) -> dict[str, float | str | None]:
-        """The measures of the capture that ended so."""
+        """The measures of the capture that ended with this outcome."""
         signals = _Signals(*map(np.concatenate, zip(*self._signals, strict=True)))
         turned = float(signals.base_angle[np.argmax(np.abs(signals.base_angle))])
         return {**_peak(signals, outcome), **_first_touch(signals, outcome), "base_turn": turned}
@@ -73,9 +73,9 @@ def _peak(signals: _Signals, outcome: Outcome) -> dict[str, float | str | None]:
     if signals.hand_force[place] == 0.0:
         return {"peak_at": None, "peak_stage": None}
     peak_at = float(signals.time[place])
-    stage = Stage.CLOSING if signals.closing[place] else Stage.TOUCH
+    stage = ContactStage.CLOSING if signals.closing[place] else ContactStage.TOUCH
     if outcome.closed_at is not None and peak_at > outcome.closed_at:
-        stage = Stage.AFTER_CLOSURE
+        stage = ContactStage.AFTER_CLOSURE
     return {"peak_at": peak_at, "peak_stage": stage.value}
 
 

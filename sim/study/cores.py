@@ -1,4 +1,4 @@
-"""How much of this machine there is to fly on."""
+"""How much of this machine studies may use."""
 
 from __future__ import annotations
 

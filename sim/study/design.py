@@ -51,7 +51,7 @@ SEED = "simulation.seed"
 
 ENGINE = "simulation.engine"
 STUDY_ENGINE = Engine.REDUCED
-"""What flies a study that names no engine: its definition then says so, so that a stored one always does."""
+"""The engine of a study that names none; its definition then names it, so that a stored one always does."""
 
 _STORED = "stored"
 """Context in which a definition is read that some version has flown."""
@@ -92,7 +92,7 @@ class Study(StudyModel):
     @model_validator(mode="before")
     @classmethod
     def _names_its_engine(cls, given: Any, info: ValidationInfo) -> Any:
-        """A study that was stored without one, by 0.1.0, was flown by that of its configuration."""
+        """A study that 0.1.0 stored names none: it was flown by that of its configuration."""
         if not isinstance(given, Mapping) or info.context == _STORED:
             return given
         changes, grid = given.get("changes", {}), given.get("grid", {})
@@ -131,7 +131,7 @@ class Study(StudyModel):
         return self
 
     def _require_parameters(self, *, stored: bool) -> None:
-        """What a stored study varied stays as it was, also if it is gone since: its rows are read all the same."""
+        """What a stored study varied may have been removed since: its rows are read all the same."""
         sampled = self.samples.over if self.samples else {}
         for where, paths in (("grid", self.grid), ("samples.over", sampled), ("changes", self.changes)):
             for path in paths:
@@ -147,7 +147,9 @@ class Study(StudyModel):
             if path in self.grid:
                 raise ValueError(f"{path} is an axis of the grid; it cannot be sampled as well")
             if not is_number(path):
-                raise ValueError(f"samples.over.{path} cannot be drawn: it is no continuous number; put it on the grid")
+                raise ValueError(
+                    f"samples.over.{path} cannot be drawn: it is not a continuous number; put it on the grid"
+                )
         if SEED in self.changes:
             raise ValueError(f"{SEED} cannot be set: every cell has its own, which follows from the study's seed")
 
@@ -187,7 +189,7 @@ class Study(StudyModel):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each axis has, and how many points the sample."""
+        """How many values each axis has, and how many points the sample has."""
         return (*(len(values) for values in self.levels.values()), len(self._points))
 
     @property
@@ -247,7 +249,7 @@ def flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def definition_of_today(stored: Mapping[str, Any]) -> Read:
-    """A study's definition of any version, under the names of today; a gone parameter that it varies keeps its name.
+    """A study's definition of any version, under current names; a removed parameter that it varies keeps its name.
 
     Raises:
         ConfigError: it is of a later version, or a value stands under two names.
@@ -274,24 +276,24 @@ def study_of(definition: Mapping[str, Any], *, stored: bool = False) -> Study:
     """The study that a file, a script or a request defines.
 
     Args:
-        definition: under the names of today.
-        stored: it was flown by some version: parameters that it varies may be gone since.
+        definition: under current names.
+        stored: some version has flown it: parameters that it varies may have been removed since.
 
     Raises:
-        ConfigError: it cannot be; the message names field, value and bound.
+        ConfigError: the definition is invalid; the message names field, value and bound.
 
     """
     try:
         return Study.model_validate(dict(definition), context=_STORED if stored else None)
     except ValidationError as error:
-        raise ConfigError("; ".join(map(_told, error.errors(include_url=False)))) from None
+        raise ConfigError("; ".join(map(_describe_finding, error.errors(include_url=False)))) from None
 
 
 def altered(study: Study, changes: Mapping[str, Any], seed: int | None) -> Study:
     """The study with these nested changes to what its cells share, and perhaps another seed.
 
     Raises:
-        ConfigError: it cannot be.
+        ConfigError: the result is invalid.
 
     """
     definition = study.definition()
@@ -305,15 +307,15 @@ def read_study(path: Path) -> Study:
     """The study in a TOML or JSON file; without a name of its own it takes the file's.
 
     Raises:
-        ConfigError: the file cannot be read, or the study in it cannot be.
+        ConfigError: the file cannot be read, or the study in it is invalid.
 
     """
     read = definition_of_today(read_config_file(path, "study file"))
     return study_of({"name": path.stem, **read.values})
 
 
-def _told(finding: Any) -> str:
-    """A finding as one line: field, value and what would be right."""
+def _describe_finding(finding: Any) -> str:
+    """One finding of pydantic as a line: field, value and what would be right."""
     path = ".".join(str(part) for part in finding["loc"])
     message = finding["msg"].removeprefix("Value error, ")
     if finding["type"] == "extra_forbidden":
@@ -327,5 +329,5 @@ def _require_distinct(path: str, values: tuple[Value, ...]) -> None:
     seen: set[Value] = set()
     for value in values:
         if value in seen:
-            raise ValueError(f"grid.{path}: {value!r} stands there twice")
+            raise ValueError(f"grid.{path}: {value!r} is listed twice")
         seen.add(value)

@@ -1,8 +1,8 @@
 """The cells of a study on any `concurrent.futures.Executor`; `local_workers` are processes on this machine.
 
-Each cell gives one row, whatever happens to the processes that fly it. A worker that dies takes the executor
-along (`BrokenExecutor`); the cells that were with it are then flown again, one at a time, so that the one that
-kills its worker is found and costs no other.
+Each cell gives one row, whatever happens to the processes that fly it. A worker that dies breaks the executor
+(`BrokenExecutor`); the cells that it was flying are then flown again, one at a time, so that the one that
+kills its worker is found and no other cell is lost.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 LOOKING_UP = 0.5
-"""Between two looks whether a study that makes no progress is still wanted [s]."""
+"""How often a study without progress is checked for being still wanted [s]."""
 
 OpenExecutor = Callable[[], Executor]
 """Gives a fresh executor; called again when one has broken."""
@@ -71,7 +71,7 @@ class LocalProcesses(ProcessPoolExecutor):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def kill(self) -> None:
-        """End every worker at once, whatever it does; who waits for it is told that the executor is broken."""
+        """End every worker at once, whatever it does; whoever waits for it gets `BrokenExecutor`."""
         for process in tuple((self._processes or {}).values()):  # `kill_workers` from Python 3.14 on
             process.kill()
 
@@ -118,7 +118,7 @@ def fly_cells(
         keep: called in this thread, once with the row of every cell; what it raises ends the study.
         open_executor: see `OpenExecutor`; whatever it gives is shut down in the end.
         at_once: cells handed to the executor at a time; twice its workers keeps them busy.
-        gives_up: asked now and then while nothing comes; true ends it all without the cells in flight.
+        gives_up: asked now and then while nothing comes; true ends the study without the cells in flight.
 
     Raises:
         WorkersUnavailable: the executor has no worker that could fly a cell.
@@ -143,11 +143,11 @@ def fly_cells(
 
 
 class _GivenUp(Exception):
-    """Nobody waits any longer for the cells in flight."""
+    """The cells in flight are no longer waited for."""
 
 
 class _Crew:
-    """An executor, opened anew when it breaks, and the cells that are with it."""
+    """An executor, opened again when it breaks, and the cells that it is flying."""
 
     def __init__(self, keep: Callable[[Row], None], open_executor: OpenExecutor, gives_up: Callable[[], bool]) -> None:
         self._keep = keep

@@ -1,4 +1,4 @@
-"""A study in flight: the cells that have no row yet, flown until all have one or somebody asks for the end."""
+"""A study in flight: the cells that have no row yet, flown until all have one or until the study is cancelled."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from concurrent.futures import wait as wait_for
 import numpy as np
 from pydantic import Field
 
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.design import Study
 from sim.study.executors import Workers, fly_cells
 from sim.study.run import CellTask, Row, fly_cell
 from sim.study.table import StudyTable
 
 MANY_CELLS = 10_000
-"""Cells from which on a study is flown only if that is confirmed."""
+"""Studies of more cells are flown only if that is confirmed."""
 
 LANDING_TIME = 10.0
-"""After somebody asked for the end: time in which the cells in flight may still end [s]; a lost cluster has none."""
+"""After a cancellation: how long the cells in flight may still take [s]; a lost cluster gets none of it."""
 
 TRIAL_CELLS = 6
 """Flown to estimate how long a study takes."""
 
 
-class Progress(Published):
-    """How far a study has come, and how fast it comes forward."""
+class Progress(FrozenMessage):
+    """How far a study has come, and how fast it proceeds."""
 
     done: int = Field(description="Cells that have a row")
     total: int = Field(description="Cells of the study")
@@ -38,8 +38,8 @@ class Progress(Published):
     time_left: float | None = Field(None, description="By that pace, wall time [s]")
 
 
-class Flight:
-    """Flies what a table misses. `progress` may be read from any thread."""
+class StudyFlight:
+    """Flies the cells that a table lacks. `progress` may be read from any thread."""
 
     def __init__(self, table: StudyTable, cancelled: threading.Event | None = None) -> None:
         self._cancelled = cancelled or threading.Event()
@@ -91,7 +91,7 @@ class Flight:
             self._ended = time.perf_counter()
 
     def _gives_up(self) -> bool:
-        """Whether somebody asked for the end so long ago that what is in flight is not waited for any more."""
+        """Whether the study was cancelled so long ago that the cells in flight are no longer waited for."""
         if not self._cancelled.is_set():
             return False
         self._asked_to_end = self._asked_to_end or time.perf_counter()
@@ -106,7 +106,7 @@ class Flight:
 
 
 def cell_time(study: Study, executor: Executor, workers: int) -> float:
-    """Wall time that one more cell of a study takes [s], by some spread over it, flown at once and forgotten.
+    """Wall time that one more cell of a study takes [s], by some spread over it, flown now, their rows dropped.
 
     Args:
         study: what would be flown.
@@ -128,13 +128,13 @@ def cell_time(study: Study, executor: Executor, workers: int) -> float:
 
 
 def flight_time(study: Study, cells: int, workers: Workers) -> float:
-    """How long so many cells of a study take these workers now [s], by a trial."""
+    """How long these workers need for that many cells of a study [s], estimated by flying a few."""
     with workers.open_executor() as executor:
         return cell_time(study, executor, workers.count) * cells
 
 
 def in_words(duration: float) -> str:
-    """A duration [s] as a person says it."""
+    """A duration [s] in words."""
     minutes, seconds = divmod(round(duration), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

@@ -1,4 +1,4 @@
-"""How often each class came out, with a confidence interval where the cells are a sample."""
+"""How often each outcome class occurred, with a confidence interval where the cells are a sample."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Iterable
 import scipy
 from pydantic import Field
 
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.design import Study
 from sim.study.run import Row
 
 CONFIDENCE = 0.95
 
 
-class OutcomeShare(Published):
-    """How many of a study's cells ended in one class."""
+class OutcomeFrequency(FrozenMessage):
+    """How often a study's cells ended in one class."""
 
     outcome: str
     cells: int
@@ -30,20 +30,20 @@ def is_sample(study: Study) -> bool:
     return study.samples is not None and not study.grid
 
 
-def outcome_shares(study: Study, rows: Iterable[Row]) -> list[OutcomeShare]:
-    """The classes that came out, the most frequent first.
+def outcome_frequencies(study: Study, rows: Iterable[Row]) -> list[OutcomeFrequency]:
+    """The classes that occurred, the most frequent first.
 
     The interval is Wilson's for independent draws (Wilson 1927); for a Latin hypercube or Sobol sample it is
-    on the safe side. A grid is no sample, so a study with one has none.
+    conservative. A grid is not a sample, so a study with one has no interval.
     """
     counts = Counter(row["outcome"] for row in rows if row["outcome"] is not None)
     sampled = is_sample(study)
-    return [_share(outcome, cells, counts.total(), sampled=sampled) for outcome, cells in counts.most_common()]
+    return [_frequency(outcome, cells, counts.total(), sampled=sampled) for outcome, cells in counts.most_common()]
 
 
-def _share(outcome: str, cells: int, total: int, *, sampled: bool) -> OutcomeShare:
+def _frequency(outcome: str, cells: int, total: int, *, sampled: bool) -> OutcomeFrequency:
     low = high = None
     if sampled:
         interval = scipy.stats.binomtest(cells, total).proportion_ci(CONFIDENCE, method="wilson")
         low, high = float(interval.low), float(interval.high)
-    return OutcomeShare(outcome=outcome, cells=cells, share=cells / total, low=low, high=high)
+    return OutcomeFrequency(outcome=outcome, cells=cells, share=cells / total, low=low, high=high)

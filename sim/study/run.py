@@ -54,7 +54,7 @@ MEASURES = (
     Column("momentum_error", float, "N s, N m s", "Largest change of total momentum: linear plus angular"),
     Column("engine", str, "1", "What simulated the capture (simulation.engine)"),
 )
-"""What is measured of a cell that was flown."""
+"""The measures of a cell that was flown."""
 
 
 def columns(study: Study) -> tuple[Column, ...]:
@@ -107,10 +107,10 @@ def _identity(cell: Cell) -> dict[str, Any]:
 
 
 def _measures(outcome: Outcome, rule: OutcomeRule) -> dict[str, Any]:
-    told = outcome.at_first_closure if rule is OutcomeRule.FIRST_CLOSURE else outcome.at_locked_arms
+    judged = outcome.at_first_closure if rule is OutcomeRule.FIRST_CLOSURE else outcome.at_locked_arms
     hardest: Touch | None = max(outcome.contacts, key=lambda touch: touch.peak, default=None)
     return {
-        "outcome": told.value,
+        "outcome": judged.value,
         "at_first_closure": outcome.at_first_closure.value,
         "at_locked_arms": outcome.at_locked_arms.value,
         "caged": outcome.caged,

@@ -1,4 +1,4 @@
-"""What a sample says of every measure: mean, median and a high quantile, with their confidence intervals."""
+"""What a sample says about every measure: mean, median and a high quantile, with their confidence intervals."""
 
 from __future__ import annotations
 
@@ -9,42 +9,42 @@ import numpy as np
 import scipy
 from pydantic import Field
 
-from sim.snapshot import Published
+from sim.snapshot import FrozenMessage
 from sim.study.design import Study
 from sim.study.outcome_frequencies import CONFIDENCE, is_sample
 from sim.study.run import MEASURES, Row
 
 HIGH = 0.95
-"""The quantile that is told besides the median: what one case in twenty exceeds."""
+"""The quantile that is given besides the median: one case in twenty exceeds it."""
 
 SUMMARIZED = tuple(column for column in MEASURES if column.kind is not str)
 
 
-class Estimate(Published):
-    """A number of the population, as the sample tells it."""
+class Estimate(FrozenMessage):
+    """A number of the population, estimated from the sample."""
 
     value: float
-    low: float | None = Field(description="Lower end of the 95 % confidence interval; null if so few cells tell none")
+    low: float | None = Field(description="Lower end of the 95 % confidence interval; null if there are too few cells")
     high: float | None = Field(description="Its upper end")
 
 
-class MeasureSummary(Published):
+class MeasureSummary(FrozenMessage):
     """One measure over the cells that have it."""
 
     measure: str
     unit: str
     cells: int = Field(description="That have the measure")
-    mean: Estimate = Field(description="Of true and false the share of true")
-    median: Estimate | None = Field(description="Null of true and false")
-    quantile_95: Estimate | None = Field(description="One cell in twenty lies above; null of true and false")
+    mean: Estimate = Field(description="For true and false: the share of true")
+    median: Estimate | None = Field(description="Null for true and false")
+    quantile_95: Estimate | None = Field(description="One cell in twenty lies above; null for true and false")
 
 
 def measure_summaries(study: Study, rows: Iterable[Row]) -> list[MeasureSummary]:
-    """Every measure of a study that is a sample; of one with a grid, which is none, nothing.
+    """Every measure of a study that is a sample; nothing for one with a grid, which is not.
 
-    Means have Student's interval, quantiles the one of the order statistics, which asks nothing of the
+    Means have Student's interval, quantiles the one of the order statistics, which assumes nothing about the
     distribution (Conover 1999, 3.2), shares of true Wilson's. All are those of independent draws: for a Latin
-    hypercube or Sobol sample they are on the safe side.
+    hypercube or Sobol sample they are conservative.
     """
     if not is_sample(study):
         return []

@@ -1,7 +1,7 @@
-"""The results of a study while they come: one SQLite file, from which a study that was cut off goes on.
+"""The results of a study as they come: one SQLite file, from which an interrupted study is resumed.
 
-A cell that was kept survives the end of the process, however it ends. The file belongs to one study, flown by
-one version of the code: rows of two versions never meet in one table.
+A row that was kept survives the end of the process, however it ends. The file belongs to one study, flown by
+one version of the code: rows of two versions never share a table.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, NamedTuple, Self
 
-from sim.claim import Claim
 from sim.errors import CaptureError
+from sim.file_lock import ProcessLock
 from sim.schema_history import MEASURE_CHANGES, PARAMETER_CHANGES, change_of, former_names
 from sim.study.design import Study
 from sim.study.run import Column, Row, columns
@@ -53,10 +53,10 @@ class _Stored(NamedTuple):
 
 
 class StudyRows:
-    """What a table holds until now; reads it also while another thread or process writes it.
+    """The rows that a table holds so far; reads them while another thread or process writes, too.
 
-    A table of an earlier version is read by the columns that it has: those that were renamed since under their names
-    of today, those that it lacks as absent (None), and after them those that today's version does not know.
+    A table of an earlier version is read by the columns that it has: those renamed since under their current
+    names, those that it lacks as absent (None), and after them those that the current version does not know.
     """
 
     def __init__(self, path: Path, study: Study) -> None:
@@ -65,7 +65,7 @@ class StudyRows:
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """Those of today's version, and those that only this table has.
+        """Those of the current version, and those that only this table has.
 
         Raises:
             TableUnusable: the file is no table.
@@ -106,12 +106,12 @@ class StudyRows:
     def _opened(self) -> Iterator[sqlite3.Connection]:
         """The file, to be read only; an empty database if there is none."""
         path: Path | str = self.path if self.path.exists() else ":memory:"
-        with _told(self.path), closing(sqlite3.connect(path, timeout=PATIENCE)) as connection:
+        with _sqlite_errors(self.path), closing(sqlite3.connect(path, timeout=PATIENCE)) as connection:
             connection.execute("PRAGMA query_only = ON")
             yield connection
 
     def _stored(self, connection: sqlite3.Connection) -> list[_Stored]:
-        """The columns of today, each with its place in the table, and those that only the table has."""
+        """The current columns, each with its place in the table, and those that only the table has."""
         todays = columns(self.study)
         if not _begun(connection):
             return [_Stored(column, column.name) for column in todays]
@@ -127,7 +127,7 @@ def _begun(connection: sqlite3.Connection) -> bool:
 
 
 def _as_stored(column: Column, present: Mapping[str, str]) -> _Stored:
-    """A column of today in a table with these columns and SQL types; it keeps the type that the table has."""
+    """A current column in a table with these columns and SQL types; it keeps the type that the table has."""
     names = (column.name, *former_names(column.name, (*MEASURE_CHANGES, *PARAMETER_CHANGES)))
     name = next((each for each in names if each in present), None)
     if name is None or present[name] == _SQL_TYPES[column.kind]:
@@ -136,7 +136,7 @@ def _as_stored(column: Column, present: Mapping[str, str]) -> _Stored:
 
 
 def _foreign(name: str, sql_type: str) -> Column:
-    """A column that today's version does not know."""
+    """A column that the current version does not know."""
     change = change_of(name, MEASURE_CHANGES)
     return Column(name, _KINDS[sql_type], "1", change.why if change else "Of another version of Becalm")
 
@@ -149,21 +149,21 @@ def _quoted(name: str) -> str:
 class StudyTable(StudyRows):
     """The rows of one study, kept as they come; as a context manager it is closed at the end."""
 
-    def __init__(self, path: Path, study: Study, *, anew: bool = False) -> None:
-        """Open the table, or begin it; with `anew` without what it holds.
+    def __init__(self, path: Path, study: Study, *, replace: bool = False) -> None:
+        """Open the table, or begin it; `replace` drops the rows that it holds.
 
         Raises:
             TableUnusable: another process has it open, it holds something else, or it cannot be written.
 
         """
         super().__init__(path, study)
-        self._claim = self._claimed()
+        self._lock = self._locked()
         with ExitStack() as undo:
-            undo.callback(self._claim.release, remove=True)
-            if anew:
+            undo.callback(self._lock.release, remove=True)
+            if replace:
                 for suffix in ("", "-wal", "-shm"):
                     path.with_name(path.name + suffix).unlink(missing_ok=True)
-            with _told(path):
+            with _sqlite_errors(path):
                 self._rows = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
                 undo.callback(self._rows.close)
                 self._begin()
@@ -182,11 +182,11 @@ class StudyTable(StudyRows):
         return len(self._cells)
 
     def close(self) -> None:
-        """Give the file free; one without a row is removed."""
+        """Release the file; one without a row is removed."""
         self._rows.close()
         if not self._cells:
             self.path.unlink(missing_ok=True)
-        self._claim.release(remove=True)
+        self._lock.release(remove=True)
 
     def missing(self) -> Iterator[int]:
         """The places of the cells that have no row yet, in order."""
@@ -201,16 +201,16 @@ class StudyTable(StudyRows):
         """
         names = [column.name for column in columns(self.study)]
         fields, marks = ", ".join(map(_quoted, names)), ", ".join("?" * len(names))
-        with _told(self.path):
+        with _sqlite_errors(self.path):
             self._rows.execute(
                 f"INSERT OR IGNORE INTO cells ({fields}) VALUES ({marks})", [row[name] for name in names]
             )
         self._cells.add(row["cell"])
 
-    def _claimed(self) -> Claim:
-        """Two processes on one file would fly every cell twice."""
+    def _locked(self) -> ProcessLock:
+        """The lock on the file: two processes on one file would fly every cell twice."""
         try:
-            return Claim(self.path.with_name(self.path.name + ".claim"))
+            return ProcessLock(self.path.with_name(self.path.name + ".lock"))
         except BlockingIOError:
             problem = f"{self.path}: another process is flying this study"
             raise TableUnusable(problem, tip="let that one end") from None
@@ -257,8 +257,8 @@ def _as_row(chosen: Sequence[Column], values: Sequence[Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """What SQLite refuses, as an error that names the file."""
+def _sqlite_errors(path: Path) -> Iterator[None]:
+    """Turns SQLite's errors into one that names the file."""
     try:
         yield
     except sqlite3.Error as error:

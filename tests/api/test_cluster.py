@@ -21,7 +21,7 @@ from becalm.cli import main
 from server.studies import cluster
 from sim.study.design import Study, study_of
 from sim.study.executors import WorkersUnavailable
-from sim.study.flight import Flight
+from sim.study.flight import StudyFlight
 from sim.study.run import CellTask, fly_cell
 from sim.study.table import StudyTable
 
@@ -122,7 +122,7 @@ def test_a_worker_that_is_killed_costs_no_cell(scheduler, workers, tmp_path):
             workers[0].send_signal(signal.SIGKILL)
 
     with StudyTable(tmp_path / "table", STUDY) as table:
-        Flight(table).fly(cluster.cluster_workers(scheduler), on_row=kill_one)
+        StudyFlight(table).fly(cluster.cluster_workers(scheduler), on_row=kill_one)
         rows = list(table.rows())
     assert workers[0].wait(PATIENCE) == -signal.SIGKILL
     assert sorted(flown) == list(range(CELLS))
@@ -146,7 +146,7 @@ def test_a_scheduler_that_is_killed_ends_the_study_and_costs_no_row(tmp_path, mo
 
         with StudyTable(tmp_path / "table", STUDY) as table:
             with pytest.raises(WorkersUnavailable, match=f"no Dask scheduler answers at {address}"):
-                Flight(table).fly(cluster.cluster_workers(address), on_row=kill_it)
+                StudyFlight(table).fly(cluster.cluster_workers(address), on_row=kill_it)
             assert [row["cell"] for row in table.rows()] == sorted(flown)
         with pytest.raises(BrokenExecutor, match=f"the Dask scheduler at {address} is lost"):
             _submit_until_refused(bystander)

@@ -27,7 +27,7 @@ FREQUENCY = np.array([[1.3, 0.9, 1.7], [1.1, 0.7, 2.1]])
 """Of each joint's rate [rad/s]; no two alike, so that errors do not cancel over a period."""
 
 
-class Flight(NamedTuple):
+class FreeFlight(NamedTuple):
     """A flight as recorded, one row a tick, the start first."""
 
     time: FloatArray
@@ -48,11 +48,11 @@ def remote_target(engine: Engine = Engine.PYMUNK) -> MissionConfig:
     return revised(MissionConfig(), {"target": target, "simulation": {"engine": engine.value}})
 
 
-def fly_freely(config: MissionConfig, seconds: float) -> Flight:
+def fly_freely(config: MissionConfig, seconds: float) -> FreeFlight:
     """Sinusoidal joint rates on the simulated plant for that long."""
     plant = simulated_plant(config)
     ticks = round(seconds / config.control.period)
-    flight = Flight(
+    flight = FreeFlight(
         np.zeros(ticks + 1),
         np.zeros((ticks + 1, 3)),
         np.zeros((ticks + 1, 8)),
@@ -78,7 +78,7 @@ def _fly(
     state: Record,
     amplitude: FloatArray,
     frequency: FloatArray,
-    flight: Flight,
+    flight: FreeFlight,
     begin: int,
     end: int,
 ) -> None:
@@ -128,7 +128,7 @@ def _world(handle: PymunkHandle, body: int, x: float, y: float) -> tuple[float, 
     return bx + dx, by + dy
 
 
-def reference_base_pose(config: MissionConfig, flight: Flight) -> FloatArray:
+def reference_base_pose(config: MissionConfig, flight: FreeFlight) -> FloatArray:
     """The base's last pose by the conservation of momentum, from the joint angles that the servos really gave.
 
     Two freedoms less than the plant has bodies for: base twist = -H_b^-1 H_bm (joint rates) at zero momentum.

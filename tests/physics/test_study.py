@@ -9,7 +9,7 @@ from itertools import islice
 import pytest
 
 from sim.config import Engine
-from sim.reproduction.published import Impedance, agreement, published_classes, published_study
+from sim.reproduction.published import PublishedImpedance, agreement, published_classes, published_study
 from sim.study.design import altered, study_of
 from sim.study.executors import LocalProcesses, fly_cells
 from sim.study.run import CellTask, fly_cell
@@ -99,7 +99,7 @@ def test_a_study_that_was_cut_off_goes_on_where_it_was(serial, tmp_path):
 def test_cells_all_over_the_published_tables_agree(engine):
     printed = published_classes()
     study = altered(published_study(), {"simulation": {"engine": engine.value}}, None)
-    places = [cell.index for cell in study.cells() if Impedance(*map(float, cell.values.values())) in printed]
+    places = [cell.index for cell in study.cells() if PublishedImpedance(*map(float, cell.values.values())) in printed]
     rows = [fly_cell(task) for task in tasks(study, places[::SAMPLE_STEP])]
     assert {row["engine"] for row in rows} == {engine.value}
     tables = agreement(rows)

@@ -13,7 +13,7 @@ from sim.configurations import named_configuration
 from sim.reproduction.experiments import ABLATIONS, ablation_study, examples, succeeded, tables_study
 from sim.reproduction.findings import authors_run, hand_forces, overall
 from sim.reproduction.first_touch import Residual
-from sim.reproduction.first_touch_prediction import Foretold, quality, rule, touch_state
+from sim.reproduction.first_touch_prediction import Prediction, prediction_score, predicts_success, touch_state
 from sim.reproduction.published import DAMPING, MASS, STIFFNESS, published_classes, published_study
 
 
@@ -26,9 +26,9 @@ def row(cell: int = 0, *, mass=0.1, damping=1.5, stiffness=10.0, outcome="caged_
     }  # fmt: skip
 
 
-def foretold(spin: float, drift: float, *, success: bool) -> Foretold:
+def prediction(spin: float, drift: float, *, success: bool) -> Prediction:
     left = Residual(spin, drift, math.nan)
-    return Foretold(row(outcome="caged_force_reduced" if success else "base_collision"), left, left, left, 0.5)
+    return Prediction(row(outcome="caged_force_reduced" if success else "base_collision"), left, left, left, 0.5)
 
 
 def test_the_study_is_the_published_one_with_other_constants():
@@ -87,12 +87,12 @@ def test_success_is_what_the_paper_calls_so():
     [(0.29, 0.04, True), (0.31, 0.04, False), (-0.31, 0.04, False), (0.51, 0.02, True), (0.1, 0.06, False)],
 )
 def test_rule_by_spin_and_drift(spin, drift, success):
-    assert rule(MissionConfig(), Residual(spin, drift, math.nan), 0.05) is success
+    assert predicts_success(MissionConfig(), Residual(spin, drift, math.nan), 0.05) is success
 
 
 def test_quality_finds_the_drift_that_divides():
-    cells = [foretold(0.3 - 5.0 * drift, drift, success=drift < 0.045) for drift in (0.030, 0.040, 0.050, 0.060)]
-    found = quality(MissionConfig(), cells)
+    cells = [prediction(0.3 - 5.0 * drift, drift, success=drift < 0.045) for drift in (0.030, 0.040, 0.050, 0.060)]
+    found = prediction_score(MissionConfig(), cells)
     assert 0.040 < found.drift_bound < 0.050
     assert found.kappa_measured == found.kappa_planar == found.share_planar == 1.0
     assert found.spin_error == 0.0

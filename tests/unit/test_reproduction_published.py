@@ -13,7 +13,7 @@ from sim.reproduction.published import (
     DAMPING,
     MASS,
     STIFFNESS,
-    Impedance,
+    PublishedImpedance,
     agreement,
     cohens_kappa,
     is_comparable,
@@ -38,7 +38,7 @@ class TestStudy:
         values = {tuple(cell.values.values()) for cell in published_study().cells()}
         assert published_study().count == len(values) == 484
         assert published_study().shape == (4, 11, 11, 1)
-        assert set(published_classes()) < {Impedance(*map(float, cell)) for cell in values}
+        assert set(published_classes()) < {PublishedImpedance(*map(float, cell)) for cell in values}
 
     def test_flies_the_published_configuration_at_its_spin(self):
         assert published_study().base == named_configuration("published")
@@ -65,10 +65,10 @@ class TestTables:
     def test_rows_are_stiffness_and_columns_damping(self):
         """d matters more than k: without damping some cells cage, at the largest none does."""
         classes = published_classes()
-        assert classes[Impedance(0.01, 0.0, 0.0)] == "caged_unplanned_contact"
-        assert classes[Impedance(0.01, 15.0, 0.0)] == "base_collision"
-        assert classes[Impedance(0.01, 0.0, 100.0)] == "base_collision"
-        assert classes[Impedance(0.1, 1.5, 10.0)] == "caged_force_reduced"
+        assert classes[PublishedImpedance(0.01, 0.0, 0.0)] == "caged_unplanned_contact"
+        assert classes[PublishedImpedance(0.01, 15.0, 0.0)] == "base_collision"
+        assert classes[PublishedImpedance(0.01, 0.0, 100.0)] == "base_collision"
+        assert classes[PublishedImpedance(0.1, 1.5, 10.0)] == "caged_force_reduced"
 
 
 class TestAgreement:

@@ -9,12 +9,12 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from server.library import retention
-from server.library.folder import CLAIM_NAME
+from server.library.folder import LOCK_NAME
 from server.library.record import Note, Remarks
 from server.library.retention import expired, keep_removing, remove_expired
 from server.library.runs import RunStore, new_record
-from sim.claim import Claim
 from sim.configurations import named_configuration
+from sim.file_lock import ProcessLock
 
 NOW = datetime(2026, 11, 25, tzinfo=UTC)
 
@@ -69,10 +69,10 @@ def test_a_copy_never_takes_the_original_along(store):
 
 def test_what_is_still_written_stays_though_its_mission_has_ended(store):
     newest = next(store.newest()).record.id
-    claim = Claim(store.root / newest / CLAIM_NAME)
+    lock = ProcessLock(store.root / newest / LOCK_NAME)
     remove_expired(store, 0.0, None, lambda _: None)
     assert newest in _names(store)
-    claim.release()
+    lock.release()
     remove_expired(store, 0.0, None, lambda _: None)
     assert newest not in _names(store)
 

@@ -15,8 +15,8 @@ from server.library.folder import LOG_NAME
 from server.library.index import RunIndex, RunQuery
 from server.library.runs import RunStore
 from sim.capture.tick import TICK
-from sim.claim import Claim
 from sim.configurations import named_configuration
+from sim.file_lock import ProcessLock
 
 GOLDEN = Path(__file__).parent / "golden" / "run_of_format_1.tar.xz"
 """120 ticks of a capture that was stopped, written by the last version of format 1."""
@@ -94,10 +94,10 @@ def _contents(folder: Path) -> dict[str, bytes]:
 
 def test_one_that_the_earlier_version_still_writes_is_left_alone(store, folder):
     before = _contents(folder)
-    claim = Claim(folder / ".writing")
+    lock = ProcessLock(folder / ".writing")
     with pytest.raises(StoredUnreadable, match="layout"):
         store.read(folder.name)
-    claim.release()
+    lock.release()
     assert _contents(folder) == before
     assert store.read(folder.name).tick_count == 120
 

@@ -11,14 +11,14 @@ from mcap.reader import make_reader
 
 from server.errors import StoredUnreadable
 from server.files import replace_file
-from server.library.folder import CLAIM_NAME, read_record
+from server.library.folder import LOCK_NAME, read_record
 from server.library.index import RunIndex
 from server.library.record import LoggedEvent
 from server.library.runs import RunStore, new_record, new_run_id
 from sim.capture.tick import TICK
-from sim.claim import Claim, is_claimed
 from sim.configurations import named_configuration
 from sim.errors import MissionRefused, RunNotFound
+from sim.file_lock import ProcessLock, is_locked
 
 
 @pytest.fixture
@@ -159,13 +159,13 @@ def test_record_is_replaced_whole(store):
     writer.close()
 
 
-def test_a_claim_is_alone_and_ends(tmp_path):
-    claim = Claim(tmp_path / "claim")
-    assert is_claimed(tmp_path / "claim")
+def test_a_lock_is_exclusive_and_ends(tmp_path):
+    lock = ProcessLock(tmp_path / "lock")
+    assert is_locked(tmp_path / "lock")
     with pytest.raises(BlockingIOError):
-        Claim(tmp_path / "claim")
-    claim.release()
-    assert not is_claimed(tmp_path / "claim")
+        ProcessLock(tmp_path / "lock")
+    lock.release()
+    assert not is_locked(tmp_path / "lock")
 
 
 @pytest.mark.parametrize("run_id", ["", ".", "..", "../runs", "20200101T000000000-abcdef", "x/y"])
@@ -206,7 +206,7 @@ def test_a_run_that_was_never_written_can_be_discarded(store):
 
 
 def test_a_run_is_read_while_its_files_come_and_go(store):
-    """Drafts of what is replaced, and the claim of who writes it, vanish between two looks at the folder."""
+    """Drafts of what is replaced, and the lock of who writes it, vanish between two looks at the folder."""
     record = _record()
     store.write(record).close(status="finished")
     folder = store.root / record.id
@@ -215,15 +215,15 @@ def test_a_run_is_read_while_its_files_come_and_go(store):
     def churn():
         while not done.is_set():
             replace_file(folder / "remarks.json", b"{}")
-            with suppress(BlockingIOError):  # whoever looks at a claim holds it for that moment
-                Claim(folder / CLAIM_NAME).release(remove=True)
+            with suppress(BlockingIOError):  # whoever tests a lock holds it for that moment
+                ProcessLock(folder / LOCK_NAME).release(remove=True)
 
     churning = threading.Thread(target=churn)
     churning.start()
     try:
         for _ in range(1500):
             assert store.read(record.id).size > 0
-            is_claimed(folder / CLAIM_NAME)
+            is_locked(folder / LOCK_NAME)
     finally:
         done.set()
         churning.join()

@@ -122,9 +122,9 @@ def test_two_values_for_one_parameter_are_refused(stored: dict[str, Any], messag
     ("version", "message"),
     [
         (config_version() + 1, "those of a later version of Becalm; this one reads up to"),
-        ("1", "no whole number"),
-        (True, "no whole number"),
-        (0, "no whole number"),
+        ("1", "not a whole number"),
+        (True, "not a whole number"),
+        (0, "not a whole number"),
     ],
 )
 def test_a_version_that_cannot_be_read_is_said(version: object, message: str) -> None:

@@ -83,7 +83,7 @@ def test_another_study_is_refused(path, other):
 def test_another_study_may_have_a_table_that_nothing_was_kept_in(path):
     begun = StudyTable(path, STUDY)
     begun._rows.close()  # as if killed before the first row
-    begun._claim.release()
+    begun._lock.release()
     other = study_of({"grid": {"target.mass": [1.0]}})
     with StudyTable(path, other) as table:
         assert list(table.missing()) == [0]

@@ -1,4 +1,4 @@
-"""What the published method says of itself: one sentence at any moment, and what comes next."""
+"""What the published method says about itself: one sentence at any moment, and what comes next."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""A file claimed by a living process: the system frees the claim when the process dies, however it dies.
+"""A file locked by a running process: the system releases the lock when the process ends, however it ends.
 
-Claims are locks of the `filelock` library. Where the file system has none (some network and FUSE mounts), a file
-beside it, `NAME.pid`, names the process and its host instead; one whose process is gone from this host counts no more.
+The locks are those of the `filelock` library. Where the file system has none (some network and FUSE mounts), a file
+beside it, `NAME.pid`, names the process and its host instead; one whose process is gone from this host is ignored.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pathlib import Path
 from filelock import BaseFileLock, FileLock, SoftFileLock, Timeout, lock_descriptor
 
 WITHOUT_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EPERM)
-"""What a file system answers that knows no locks."""
+"""Errors of a file system that does not support locks."""
 
 log = logging.getLogger(__name__)
 
 
-class Claim:
-    """Held from its making until `release`."""
+class ProcessLock:
+    """The lock on one file, held from its construction to `release`."""
 
     def __init__(self, path: Path) -> None:
-        """Claim this file, which is made if it is not there; its folder is.
+        """Lock this file, which is created if it is missing; its folder must exist.
 
         Raises:
-            BlockingIOError: another claim on it is alive.
-            OSError: the file cannot be made or opened.
+            BlockingIOError: another process holds it.
+            OSError: the file cannot be created or opened.
 
         """
         if not path.parent.is_dir():  # the library would make it
@@ -42,7 +42,7 @@ class Claim:
             self._lock = _without_locks(path, error)
 
     def release(self, *, remove: bool = False) -> None:
-        """Give the file free, and remove it if it was only there to be claimed."""
+        """Release the file; with `remove` delete it, if it was there for the lock only."""
         if remove:
             self._path.unlink(missing_ok=True)
         self._lock.release()
@@ -59,23 +59,23 @@ def _acquired(lock: BaseFileLock, path: Path) -> BaseFileLock:
 def _without_locks(path: Path, error: OSError) -> BaseFileLock:
     marker = path.with_name(path.name + ".pid")
     lock = _acquired(SoftFileLock(marker, thread_local=False), marker)
-    log.warning("the file system of %s has no locks (%s); %s tells who holds it", path, error.strerror, marker.name)
+    log.warning("the file system of %s has no locks (%s); %s says who holds it", path, error.strerror, marker.name)
     return lock
 
 
-def is_claimed(path: Path) -> bool:
-    """Whether a living process claims this file, or one may: it cannot be tried by this user, or on this disk."""
+def is_locked(path: Path) -> bool:
+    """Whether a running process holds this file, or may hold it: this user, or this disk, does not allow the test."""
     if not path.exists():
         return False
     try:
-        Claim(path).release()
+        ProcessLock(path).release()
     except OSError:
         return True
     return False
 
 
-def has_locks(folder: Path) -> bool:
-    """Whether the file system of this folder knows locks: tried on a file that never has a name."""
+def supports_locks(folder: Path) -> bool:
+    """Whether the file system of this folder supports locks: tried on a file without a name."""
     with tempfile.TemporaryFile(dir=folder) as file:
         try:
             lock_descriptor(file.fileno(), blocking=False)
