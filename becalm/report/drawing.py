@@ -15,9 +15,11 @@ from becalm.report.style import BASE, GREY, INK, LEFT, PALE, RIGHT, figure
 from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.model.clearance import geometric_base_pose, hand_outline
+from sim.model.clearance import hand_outline
 from sim.model.planar import rotated
 from sim.model.robot import JOINTS, chain, robot_model
+from sim.model.shape import Shape, inner_radius, outline
+from sim.model.target import target_shape
 
 _FRAME = (-0.43, 0.43, -0.19, 0.57)  # of a drawing [m]: x from, to, y from, to
 _FORCE_SCALE = 0.09  # [m/N]
@@ -56,19 +58,17 @@ def draw(axes: Axes, config: MissionConfig, tick: Any, path: FloatArray | None =
         spine.set(visible=True, color=PALE)
     if path is not None and len(path) > 1:
         axes.plot(path[::20, 0], path[::20, 1], color=PALE, linewidth=0.8, zorder=1)
-    base = geometric_base_pose(config, tick["base_pose"])
-    _rectangle(axes, base, config.robot.base.width / 2, config.robot.base.depth / 2, BASE, alpha=0.28)
-    side = config.target.side / 2
-    _rectangle(axes, tick["target_pose"], side, side, INK, alpha=0.16)
-    dx, dy = rotated(float(tick["target_pose"][2]), side, 0.0)
+    shape = target_shape(config.target)
+    _outline(axes, tick["base_pose"], robot_model(config.robot).base_shape, BASE, alpha=0.28)
+    _outline(axes, tick["target_pose"], shape, INK, alpha=0.16)
+    dx, dy = rotated(float(tick["target_pose"][2]), inner_radius(shape), 0.0)
     x, y = tick["target_pose"][:2]
     axes.plot([x, x + dx], [y, y + dy], color=INK, linewidth=0.8, zorder=4)
     _arms(axes, config, tick)
 
 
-def _rectangle(axes: Axes, pose: FloatArray, half_x: float, half_y: float, colour: str, alpha: float) -> None:
-    corners = [(half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)]
-    points = np.array([rotated(float(pose[2]), *corner) for corner in corners]) + np.asarray(pose[:2])
+def _outline(axes: Axes, pose: FloatArray, shape: Shape, colour: str, alpha: float) -> None:
+    points = np.array([rotated(float(pose[2]), *point) for point in outline(shape).tolist()]) + np.asarray(pose[:2])
     axes.add_patch(Polygon(points, facecolor=colour, alpha=alpha, linewidth=0, zorder=2))
     axes.add_patch(Polygon(points, fill=False, edgecolor=colour, linewidth=0.9, zorder=3))
 

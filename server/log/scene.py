@@ -10,11 +10,14 @@ import numpy as np
 
 from server.log.ros import header, ros, serialized, store
 from sim.capture.tick import ARMS
+from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.model.robot import robot_model
+from sim.model.shape import Shape, outline
+from sim.model.target import target_shape
 
 MARKERS = "visualization_msgs/msg/MarkerArray"
-_CUBE, _SPHERE, _CYLINDER = 1, 2, 3
+_CUBE, _SPHERE, _CYLINDER, _TRIANGLES = 1, 2, 3, 11
 _SHELL, _ARM, _TIP, _TARGET = (0.85, 0.86, 0.88), (0.45, 0.50, 0.56), (0.95, 0.55, 0.15), (0.80, 0.66, 0.25)
 _HEIGHT = 0.06
 
@@ -22,10 +25,10 @@ _HEIGHT = 0.06
 def scene(config: MissionConfig) -> bytes:
     """A MarkerArray of base, links, tips and target."""
     robot, base = robot_model(config.robot), config.robot.base
-    arm, side, thickness = config.robot.arm, config.target.side, 2 * config.robot.arm.link_radius
-    markers = [
+    arm, thickness = config.robot.arm, 2 * config.robot.arm.link_radius
+    markers: list[tuple[Any, ...]] = [
         ("base", _CUBE, (0.0, -base.centre_of_mass_ahead), 0.0, (base.width, base.depth, _HEIGHT), _SHELL),
-        ("target", _CUBE, (0.0, 0.0), 0.0, (side, side, _HEIGHT), _TARGET),
+        ("target", _TRIANGLES, (0.0, 0.0), 0.0, (1.0, 1.0, 1.0), _TARGET, prism(target_shape(config.target))),
     ]
     for name in ARMS:
         for link in range(3):
@@ -40,6 +43,18 @@ def scene(config: MissionConfig) -> bytes:
     return serialized(ros(MARKERS, [_marker(number, *each) for number, each in enumerate(markers)]), MARKERS)
 
 
+def prism(shape: Shape) -> FloatArray:
+    """A shape with a height: the corners of triangles, counter-clockwise from outside, shape (n, 3) [m]."""
+    low, high = (np.insert(outline(shape), 2, z, axis=1) for z in (-_HEIGHT / 2, _HEIGHT / 2))
+    triangles: list[FloatArray] = []
+    for place in range(len(low)):
+        after = (place + 1) % len(low)
+        triangles += [low[place], low[after], high[after], low[place], high[after], high[place]]
+        if 0 < place < len(low) - 1:
+            triangles += [high[0], high[place], high[after], low[0], low[after], low[place]]
+    return np.array(triangles)
+
+
 def _marker(
     number: int,
     frame: str,
@@ -48,6 +63,7 @@ def _marker(
     lean: float,
     size: tuple[float, ...],
     colour: tuple[float, float, float],
+    triangles: FloatArray | None = None,
 ) -> Any:
     """One marker; `lean` turns it about x [rad], as a cylinder stands along z."""
     point = ros("geometry_msgs/msg/Point", *place, 0.0)
@@ -63,7 +79,7 @@ def _marker(
         "color": ros("std_msgs/msg/ColorRGBA", *colour, 1.0),
         "lifetime": ros("builtin_interfaces/msg/Duration", 0, 0),
         "frame_locked": True,
-        "points": [],
+        "points": [] if triangles is None else [ros("geometry_msgs/msg/Point", *corner) for corner in triangles],
         "colors": [],
         "texture_resource": "",
         "texture": ros("sensor_msgs/msg/CompressedImage", header("", 0, 0), "", np.empty(0, np.uint8)),

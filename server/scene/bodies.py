@@ -10,14 +10,14 @@ from server.scene.machine import (
     base_parts,
     hand_parts,
     link_parts,
-    target_parts,
     tip_glow_parts,
-    work_height,
     wrist_parts,
 )
 from server.scene.palette import ARMS
+from server.scene.target import target_parts, work_height
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
+from sim.model.target import target_shape
 from sim.snapshot import ArmState, Snapshot
 
 AXES_LENGTH = 0.09
@@ -37,7 +37,7 @@ class RobotDrawing:
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
         self._robot = config.robot
-        height = work_height(config.target.side)
+        height = work_height(target_shape(config.target))
         self._base = canvas.frame("/base", height)
         canvas.group("robot", "/base/body")
         canvas.parts("/base/body/mesh", base_parts(config.robot, height))
@@ -96,9 +96,10 @@ class TargetDrawing:
     """The target, its frame at its centre."""
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
-        self._node: Moving = canvas.frame("/target", work_height(config.target.side))
+        shape = target_shape(config.target)
+        self._node: Moving = canvas.frame("/target", work_height(shape))
         canvas.group("target", "/target/body")
-        canvas.parts("/target/body/mesh", target_parts(config.target.side))
+        canvas.parts("/target/body/mesh", target_parts(shape))
         canvas.axes("/target/axes", AXES_LENGTH)
         canvas.axes("/world_axes", 2 * AXES_LENGTH)
 

@@ -10,10 +10,11 @@ import viser
 
 from server.scene.canvas import Canvas, ChangeDetector, as_tuple
 from server.scene.figures import base_place, closed_outline, dashed_line, raised, solid_line, tip_points
-from server.scene.machine import half_height
 from server.scene.palette import CAGE, FAINT
 from server.scene.solids import FloatArray
+from server.scene.target import half_height
 from sim.config import MissionConfig
+from sim.model.target import target_shape
 from sim.snapshot import Snapshot
 
 CageState = Literal["none", "open", "closed", "locked"]
@@ -33,7 +34,7 @@ class CageDrawing:
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
         self._base, self._tip_offset = config.robot.base, config.robot.arm.hand.tip_offset
-        self._top = half_height(config.target.side) + 0.014
+        self._top = half_height(target_shape(config.target)) + 0.014
         canvas.group("cage", "/base/cage")
         self._canvas = canvas
         self._floor = canvas.scene.add_mesh_simple(

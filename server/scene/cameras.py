@@ -46,9 +46,9 @@ class Extent(NamedTuple):
 
 def extent(config: MissionConfig) -> Extent:
     """What the default view frames: base, reach of the first links to the sides, and target."""
-    base, side = config.robot.base, config.target.side
+    base = config.robot.base
     half_width = base.width / 2 + config.robot.arm.link_1.length + 0.03
-    return Extent(half_width, -0.75 * base.depth, config.target.initial_y + 0.75 * side)
+    return Extent(half_width, -0.75 * base.depth, config.target.initial_y + 1.06 * config.target.reach)
 
 
 def _direction(elevation: float, azimuth: float) -> FloatArray:
@@ -67,7 +67,7 @@ def perspective(config: MissionConfig, aspect: float) -> View:
     """From behind the robot and above, everything in sight."""
     area = extent(config)
     depth = area.front - area.rear
-    apparent = depth * math.sin(ELEVATION) + config.target.side * math.cos(ELEVATION)
+    apparent = depth * math.sin(ELEVATION) + 1.41 * config.target.reach * math.cos(ELEVATION)
     look_at = np.array([0.0, area.middle - 0.02, 0.05])
     distance = _distance(apparent, 2 * area.half_width, aspect) + depth / 8
     return View(look_at + distance * _direction(ELEVATION, AZIMUTH), look_at)

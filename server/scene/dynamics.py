@@ -19,10 +19,11 @@ from server.scene.arrows import (
 from server.scene.bodies import link_name
 from server.scene.canvas import Canvas, ChangeDetector, Moving, as_tuple
 from server.scene.figures import arc_points, manipulability_ellipse, raised, solid_line, tip_points
-from server.scene.machine import half_height, work_height
 from server.scene.palette import ARMS, FORCE_ARROW, MOMENTUM_ARROW, SPIN, veil
 from server.scene.solids import FloatArray, circle, prism
+from server.scene.target import half_height, work_height
 from sim.config import MissionConfig
+from sim.model.target import target_shape
 from sim.snapshot import ArmState, Snapshot
 
 SPIN_TIME = 1.0
@@ -38,7 +39,7 @@ class ForcesDrawing:
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
         self._tip_offset = config.robot.arm.hand.tip_offset
-        self._height = work_height(config.target.side) + 0.028
+        self._height = work_height(target_shape(config.target)) + 0.028
         canvas.group("forces", "/forces")
         self._arrows = add_arrows(canvas, "/forces/tips", FORCE_ARROW)
         add_legend(canvas, "forces", FORCE_LEGEND, FORCE_ARROW)
@@ -65,13 +66,13 @@ class MotionDrawing:
     """The target's linear momentum as an arrow, its spin as the arc that it turns in a second."""
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
-        side = config.target.side
-        self._mass, self._radius = config.target.mass, 0.80 * side
-        top = work_height(side) + half_height(side)
+        shape = target_shape(config.target)
+        self._mass, self._radius = config.target.mass, 1.13 * shape.corner_circle
+        top = work_height(shape) + half_height(shape)
         self._at = canvas.group("momentum", "/momentum", top + 0.024)
         self._arrow = add_arrows(canvas, "/momentum/arrow", MOMENTUM_ARROW)
         add_legend(canvas, "momentum", MOMENTUM_LEGEND, MOMENTUM_ARROW)
-        canvas.group("momentum", "/target/spin", half_height(side) + 0.002)
+        canvas.group("momentum", "/target/spin", half_height(shape) + 0.002)
         self._arc = canvas.scene.add_line_segments("/target/spin/arc", self._arc_lines(0.1), SPIN, thickness=0.0042)
         self._momentum, self._spin = ChangeDetector(2e-4), ChangeDetector(4e-3)
 

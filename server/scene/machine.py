@@ -11,14 +11,10 @@ import math
 from server.scene.glb import Part
 from server.scene.palette import (
     ALUMINIUM,
-    FACES,
     FINGER,
-    FOIL,
     GRAPHITE,
     LAMP,
-    MARK,
     SHELL,
-    SOLAR,
     STEEL,
     TANK,
     TIP,
@@ -32,24 +28,10 @@ from server.scene.palette import (
 from server.scene.solids import TO_X, TO_Y, ball, box, circle, drum, nozzle, prism, rod, stadium, turn
 from sim.config import ArmConfig, BaseConfig, HandConfig, LinkConfig, RobotConfig
 
-TARGET_CLEARANCE = 0.020
-"""Height of the target's underside above the table [m]: room for its air bearing."""
 PAD_HEIGHT = 0.010
 """Thickness of an air bearing [m]."""
 BODY_UNDERSIDE = 0.022
 """Height of the base's underside above the table [m]."""
-TARGET_FLATNESS = 0.7
-"""Height of the target over its side: the plane says nothing of it, and a low one hides less."""
-
-
-def half_height(target_side: float) -> float:
-    """From the target's middle to its roof [m]."""
-    return TARGET_FLATNESS * target_side / 2
-
-
-def work_height(target_side: float) -> float:
-    """Height of arms, tips and the target's middle above the table [m]."""
-    return TARGET_CLEARANCE + half_height(target_side)
 
 
 def base_parts(robot: RobotConfig, height: float) -> list[Part]:
@@ -189,65 +171,6 @@ def tip_glow_parts(radius: float) -> list[Part]:
     return [(ball(1.04 * radius), light(TOUCH)), (ball(1.7 * radius), veil(TOUCH, 0.22))]
 
 
-def target_parts(side: float) -> list[Part]:
-    """The target about its centre: a small satellite; its square outline is the one that is touched."""
-    roof, skin = half_height(side), 0.0015
-    floor = -roof - TARGET_CLEARANCE
-    body = box(side - 2 * skin, side - 2 * skin, -roof, roof, 0.004, bevel=0.003)
-    return [
-        (body, GRAPHITE),
-        *_side_panels(side),
-        *_roof(side),
-        *_front_mark(side),
-        (drum(0.30 * side, floor + 0.001, floor + PAD_HEIGHT, 0.002), STEEL),
-        (drum(0.10 * side, floor + PAD_HEIGHT, 0.002 - roof), GRAPHITE),
-    ]
-
-
-def _side_panels(side: float) -> list[Part]:
-    """A panel on each side and a strip along its upper edge, told apart by colour."""
-    half, roof = side / 2, half_height(side)
-    parts: list[Part] = []
-    for quarter, material in enumerate(FACES):
-        rotation = turn(quarter * math.pi / 2)
-        panel = box(0.004, 0.93 * side, -0.88 * roof, 0.88 * roof, 0.0012, bevel=0.001).moved(half - 0.002)
-        strip = box(0.075 * side, 0.80 * side, roof - 0.001, roof + 0.0012, 0.002, bevel=0.0008).moved(0.905 * half)
-        parts += [(panel.turned(rotation), material), (strip.turned(rotation), material)]
-        seam = box(0.0010, 0.93 * side, 0.0, 0.0014, 0.0004).moved(half - 0.0004)
-        parts += [(seam.moved(z=z).turned(rotation), GRAPHITE) for z in (-roof / 3, roof / 3)]
-    return parts
-
-
-def _roof(side: float) -> list[Part]:
-    """Solar cells around a foil hub with an antenna."""
-    roof, pitch = half_height(side), 0.19 * side
-    cells: list[Part] = []
-    for column in range(4):
-        for row in range(4):
-            cell = box(0.92 * pitch, 0.92 * pitch, roof - 0.001, roof + 0.0016, 0.0015, bevel=0.0005)
-            cells.append((cell.moved((column - 1.5) * pitch, (row - 1.5) * pitch), SOLAR))
-    hub = drum(0.115 * side, roof, roof + 0.006, 0.002)
-    dish = nozzle(0.02 * side, 0.075 * side, 0.10 * side).moved(z=roof + 0.005)
-    return [*cells, (hub, FOIL), (dish, SHELL)]
-
-
-def _front_mark(side: float) -> list[Part]:
-    """On the +y side and above it: a docking ring and an arrow head, the mark to read the angle by."""
-    half, roof = side / 2, half_height(side)
-    ring = prism(circle(0.16 * side), half - 0.001, half + 0.0006).turned(TO_Y)
-    eye = prism(circle(0.11 * side), half - 0.001, half + 0.0010).turned(TO_Y)
-    pointer = prism(stadium(0.001 + 0.05 * side, 0.045 * side, 0.004 * side), roof, roof + 0.0034)
-    return [(ring, MARK), (eye, GRAPHITE), (pointer.moved(y=0.33 * side), MARK)]
-
-
 def goal_hand_parts(hand: HandConfig, colour: Colour) -> list[Part]:
     """A see-through hand about its centre, where a plan ends."""
     return u_parts(hand, -hand.centre_offset, veil(colour, 0.34), veil(colour, 0.5))
-
-
-def ghost_parts(side: float, colour: Colour) -> list[Part]:
-    """A see-through target about its centre, where it is predicted to be."""
-    roof = half_height(side)
-    body = box(side, side, -roof, roof, 0.004, bevel=0.003)
-    pointer = prism(stadium(0.05 * side, 0.045 * side, 0.004 * side), roof, roof + 0.002)
-    return [(body, veil(colour, 0.10)), (pointer.moved(y=0.33 * side), veil(colour, 0.7))]

@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from sim.model.shape import Shape
+
 FloatArray = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.uint32]
 
@@ -82,6 +84,19 @@ def rectangle(width: float, depth: float, corner: float) -> Outline:
     centres = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
     quarter = math.pi / 2
     return _arcs(centres, np.full(4, corner), quarter * np.arange(4.0), np.full(4, quarter))
+
+
+def outline_of(shape: Shape, corner: float) -> Outline:
+    """The outline of a shape, its corners rounded by that radius from within."""
+    if shape.sides == 0:
+        return circle(shape.rounding)
+    vertices, normals = shape.vertices[: shape.corners], shape.normals[: shape.sides]
+    before = np.roll(normals, 1, axis=0)
+    cosines = (before * normals).sum(axis=1)
+    sines = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0]
+    centres = vertices - corner * (before + normals) / (1.0 + cosines)[:, None]
+    starts = np.arctan2(before[:, 1], before[:, 0])
+    return _arcs(centres, np.full(shape.corners, corner + shape.rounding), starts, np.arctan2(sines, cosines))
 
 
 def stadium(length: float, first: float, second: float) -> Outline:

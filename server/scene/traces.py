@@ -7,13 +7,16 @@ import numpy.typing as npt
 import viser
 
 from server.scene.canvas import Canvas, Moving
-from server.scene.figures import Trail, dashed_line, raised
+from server.scene.figures import Trail, closed_outline, dashed_line, raised
 from server.scene.glb import Part, linear
-from server.scene.machine import ghost_parts, goal_hand_parts, half_height, work_height
+from server.scene.machine import goal_hand_parts
 from server.scene.palette import ARMS, NIGHT, TARGET, Colour, light
 from server.scene.solids import ball
+from server.scene.target import ghost_parts, half_height, work_height
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
+from sim.model.shape import outline
+from sim.model.target import target_shape
 from sim.snapshot import Plan, Snapshot, Vector3
 
 TRAIL_POINTS, TRAIL_SPACING = 200, 0.006
@@ -61,17 +64,17 @@ class PlanDrawing:
     """The path of each hand with its knots and goal, and the target as predicted at its end."""
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
-        self._canvas, self._height = canvas, work_height(config.target.side)
+        shape, hand = target_shape(config.target), config.robot.arm.hand
+        self._canvas, self._height = canvas, work_height(shape)
         canvas.group("plan", "/plan")
         canvas.group("ghost", "/ghost")
-        hand, side = config.robot.arm.hand, config.target.side
         goals = [
             canvas.parts(f"/plan/{name}_goal", goal_hand_parts(hand, colour), shadow=False)
             for name, colour in zip(ARM_NAMES, ARMS, strict=True)
         ]
-        ghost = canvas.parts("/ghost/target", ghost_parts(side, TARGET), shadow=False)
-        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * side / 2
-        edges = [dashed_line(raised(corners, z), 0.008, 0.006) for z in (-half_height(side), half_height(side))]
+        ghost = canvas.parts("/ghost/target", ghost_parts(shape, TARGET), shadow=False)
+        edge, roof = closed_outline(outline(shape)), half_height(shape)
+        edges = [dashed_line(raised(edge, z), 0.008, 0.006) for z in (-roof, roof)]
         canvas.scene.add_line_segments("/ghost/target/edges", np.concatenate(edges), TARGET, thickness=0.0018)
         self._goals = [Moving(goal, self._height) for goal in goals]
         self._ghost = Moving(ghost, self._height)

@@ -9,13 +9,26 @@ import pytest
 
 from server.scene import solids
 from server.scene.glb import glb, linear
-from server.scene.machine import base_parts, hand_parts, target_parts
-from server.scene.palette import GRAPHITE, SHELL
+from server.scene.machine import base_parts, hand_parts
+from server.scene.palette import GRAPHITE, SHELL, TARGET
+from server.scene.target import ghost_parts, half_height, target_parts
 from sim.config import MissionConfig
+from sim.model.shape import area, circle, polygon, rectangle, regular_polygon, signed_distance
 
 CONFIG = MissionConfig()
 FACETS = 0.03
 """What flat facets take from a round volume, at nine points a quarter."""
+
+
+SHAPES = {
+    "square": rectangle(0.15, 0.15),
+    "rectangle": rectangle(0.2, 0.1),
+    "triangle": regular_polygon(3, 0.2),
+    "hexagon": regular_polygon(6, 0.08),
+    "circle": circle(0.075),
+    "rounded": polygon(np.array([[0.06, -0.05], [0.08, 0.04], [-0.02, 0.07], [-0.09, -0.03]]), 0.01),
+}
+every_shape = pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 
 
 def volume(solid):
@@ -61,10 +74,20 @@ def extent(parts):
     return vertices.min(axis=0), vertices.max(axis=0)
 
 
-def test_the_target_is_as_wide_as_the_square_that_is_touched():
-    low, high = extent(target_parts(CONFIG.target.side))
-    assert high[:2] == pytest.approx([0.075, 0.075], abs=0.0011)
-    assert low[:2] == pytest.approx([-0.075, -0.075], abs=0.0011)
+@every_shape
+def test_the_target_reaches_as_far_as_the_outline_that_is_touched_and_no_farther(shape):
+    vertices = np.concatenate([solid.vertices for solid, _ in target_parts(shape)])
+    distances = [signed_distance(shape, float(x), float(y)) for x, y, _ in vertices]
+    assert max(distances) == pytest.approx(0.0, abs=0.0011)
+    for side in range(shape.sides):
+        reached = (vertices[:, :2] @ shape.normals[side]).max()
+        assert reached == pytest.approx(shape.offsets[side] + shape.rounding, abs=0.0011)
+
+
+@every_shape
+def test_the_ghost_is_a_prism_of_the_target(shape):
+    (body, _), _ = ghost_parts(shape, TARGET)
+    assert volume(body) == pytest.approx(area(shape) * 2.0 * half_height(shape), rel=0.05)
 
 
 def test_the_tips_are_where_the_configuration_has_them():
