@@ -405,10 +405,63 @@ class NoiseConfig(ConfigModel):
     torque: Number = _noise("torques at the wrists", "N m", 1000)
 
 
+class Source(StrEnum):
+    """How the controller comes by the motion of base and target."""
+
+    EVERY_TICK = "every_tick"
+    """Poses and twists in every tick, at once (the paper's simulation)."""
+    MOTION_CAPTURE = "motion_capture"
+    """Pictures at a rate of their own, late and with gaps, filtered as on the robot (`sim.perception.estimators`)."""
+
+
+class CaptureConfig(ConfigModel):
+    """The cameras that see base and target, where motion capture is the source."""
+
+    rate: Number = parameter(100.0, "Pictures", unit="Hz", source="the link's contract", gt=0.1, le=1e4)
+    delay: Number = parameter(
+        0.010, "From a picture to its message", unit="s", source="the emulated testbed", ge=0, le=1
+    )
+    dropouts: Number = parameter(
+        0.005, "Part of the pictures in which a body is not seen", unit="1", source="the emulated testbed", ge=0, lt=1
+    )
+
+
+class FilterConfig(ConfigModel):
+    """What the filter of pictures expects of them, and of the bodies: standard deviations."""
+
+    position: Number = parameter(3e-4, "Of a position", unit="m", source="chosen: 1.5 testbed's", gt=0, le=1)
+    angle: Number = parameter(1.5e-3, "Of an angle", unit="rad", source="chosen: 1.5 testbed's", gt=0, le=3)
+    free_acceleration: Number = parameter(
+        0.02, "Of a body that nothing touches", unit="m/s2", source="chosen: drag and tilt of a table", gt=0, le=100
+    )
+    free_angular_acceleration: Number = parameter(
+        0.05, "Likewise", unit="rad/s2", source="chosen: drag of a table", gt=0, le=1e3
+    )
+    touched_acceleration: Number = parameter(
+        0.6, "Of a body that is touched", unit="m/s2", source="chosen: 1.4 N on the target", gt=0, le=1e3
+    )
+    touched_angular_acceleration: Number = parameter(
+        6.0, "Likewise", unit="rad/s2", source="chosen: 1.4 N at 40 mm on the target", gt=0, le=1e4
+    )
+    contact_memory: Number = parameter(
+        0.15,
+        "How long after a contact pictures may still show it",
+        unit="s",
+        source="chosen: motion capture's delay, and more",
+        ge=0,
+        le=5,
+    )
+
+
 class PerceptionConfig(ConfigModel):
     """What the controller knows of robot and target (`sim.perception`)."""
 
+    source: Source = parameter(
+        Source.EVERY_TICK, "Where the motion of base and target comes from", unit="1", source="the paper's simulation"
+    )
     noise: NoiseConfig = NoiseConfig()
+    capture: CaptureConfig = CaptureConfig()
+    filter: FilterConfig = FilterConfig()
     contact_threshold: Number = parameter(
         0.12,
         "Wrist force that counts as contact, until it falls under half of it; perfect sensors need none",

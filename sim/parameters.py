@@ -26,10 +26,11 @@ def parameter(
     gt: float | None = None,
     ge: float | None = None,
     le: float | None = None,
+    lt: float | None = None,
 ) -> Any:
     """A field of the configuration with its unit, bounds, default and source in the schema."""
     extra: dict[str, JsonValue] = {"unit": unit, "source": source, LIVE: live}
-    return Field(default, description=description, json_schema_extra=extra, gt=gt, ge=ge, le=le)
+    return Field(default, description=description, json_schema_extra=extra, gt=gt, ge=ge, le=le, lt=lt)
 
 
 class ConfigModel(BaseModel):

@@ -1,7 +1,8 @@
 """What the controller knows, as one record: `PERCEIVED`. It gets nothing else; the monitor and the log know the truth.
 
 With perfect sensors it is the truth, contact and all. With noise every reading has its own, contact is what the
-wrists tell, and a hand that does not touch feels nothing, so that none yields to noise.
+wrists tell, and a hand that does not touch feels nothing, so that none yields to noise. Where motion capture is the
+source, the motion of base and target is what the filter makes of late pictures, as on the robot.
 """
 
 from __future__ import annotations
@@ -12,10 +13,14 @@ from typing import Any
 import numpy as np
 
 from sim.compiled import compiled
+from sim.config import Source
 from sim.model.robot import Chain, RobotModel, chain
+from sim.perception.cameras import CAMERAS, film
 from sim.perception.contact import is_touching, touching_tip
 from sim.perception.sensing import add_noise, is_noisy
-from sim.record import Record
+from sim.record import Record, code_of
+
+_MOTION_CAPTURE = code_of(Source.MOTION_CAPTURE)
 
 PERCEIVED = np.dtype(
     [
@@ -33,6 +38,7 @@ PERCEIVED = np.dtype(
         ("tip_contact", np.int64, (2, 2)),
         ("touching", np.int64, (2,)),  # each hand, with hysteresis: what is remembered from tick to tick
         ("closed", np.int64),  # the tips enclose the target at its present angle
+        ("cameras", CAMERAS),  # of motion capture: what is remembered from tick to tick
     ],
     align=True,
 )
@@ -54,15 +60,20 @@ def perceive(known: Record, parameters: Record, robot: RobotModel, state: Record
         links: the chain at that state.
 
     """
+    perception = parameters.perception
     _copy(known, state)
-    if not is_noisy(parameters.perception.noise):
+    filmed, noisy = perception.source == _MOTION_CAPTURE, is_noisy(perception.noise)
+    if not filmed and not noisy:
         for arm in range(2):
             known.touching[arm] = state.tip_contact[arm, 0] != 0 or state.tip_contact[arm, 1] != 0
         return links
-    add_noise(parameters.perception.noise, parameters.simulation.seed, known)
+    if noisy:
+        add_noise(perception.noise, parameters.simulation.seed, known)
+    if filmed:
+        film(known.cameras, known, parameters, robot, known.touching[0] != 0 or known.touching[1] != 0)
     believed = chain(robot, known.base_pose, known.joint_angle, known.mount_angle)
     for arm in range(2):
-        _feel(known, parameters.perception.contact_threshold, robot, believed, arm)
+        _feel(known, perception.contact_threshold, robot, believed, arm)
     return believed
 
 

@@ -69,6 +69,12 @@ def gaussian(seed: int, tick: int, channel: int) -> float:
 
 
 @compiled
+def uniform(seed: int, tick: int, channel: int) -> float:
+    """A draw of the uniform distribution over (0, 1] that follows from these three numbers."""
+    return _uniform(_mixed(_mixed(_mixed(np.uint64(seed)) + np.uint64(tick)) + np.uint64(channel)))
+
+
+@compiled
 def _mixed(bits: np.uint64) -> np.uint64:
     """SplitMix64's output function (Steele, Lea, Flood 2014): neighbouring numbers come out unlike each other."""
     bits = bits + _STEP

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from server.link.perception import BodyEstimate, Noise, Perception
+from server.link.perception import BodyEstimate, Perception
 from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
 from server.link.wire import JointSample, PlaneSample
+from sim.config import FilterConfig
 from sim.configurations import named_configuration
 from sim.model.robot import chain, robot_model
 from sim.plant.plant import PLANT_STATE
@@ -35,7 +36,7 @@ def _seen(stamp, random, noise=(2e-4, 2e-4, 1e-3)):
 @pytest.fixture
 def settled():
     random = np.random.default_rng(3)
-    estimate = BodyEstimate(Noise())
+    estimate = BodyEstimate(FilterConfig())
     for stamp in range(0, 100 * PERIOD, PERIOD):
         estimate.take(_seen(stamp, random), touched=False)
     return estimate, random

@@ -16,7 +16,26 @@ from sim.configurations import NAMED_CONFIGURATIONS, nested, revised
 from sim.errors import ConfigError
 from sim.model.inertia import outlines
 
-UNITS = {"m", "s", "kg", "kg m2", "N", "N m", "N/m", "N s/m", "rad", "rad/s", "m/s", "m2", "1", "1/s", "1/s2"}
+UNITS = {
+    "m",
+    "s",
+    "kg",
+    "kg m2",
+    "N",
+    "N m",
+    "N/m",
+    "N s/m",
+    "rad",
+    "rad/s",
+    "m/s",
+    "m2",
+    "1",
+    "1/s",
+    "1/s2",
+    "Hz",
+    "m/s2",
+    "rad/s2",
+}
 BOUNDS = ("ge", "gt", "le", "lt")
 NUMBERS = [path for path, field in PARAMETERS.items() if field.annotation in (float, int)]
 CHOICES = [path for path in PARAMETERS if path not in NUMBERS]

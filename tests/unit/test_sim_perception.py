@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sim.capture.mission import Mission
+from sim.capture.run import run_capture
 from sim.config import MissionConfig
-from sim.configurations import nested, revised
+from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command
 from sim.model.clearance import initial_base_pose
 from sim.model.robot import chain, initial_joint_angles, robot_model, tip_position
@@ -109,3 +110,62 @@ class TestNoise:
         assert rows[0]["perceived_contact"].any() == rows[1]["perceived_contact"].any()
         assert np.array_equal(rows[0]["commanded_joint_rate"], rows[1]["commanded_joint_rate"])
         assert np.array_equal(rows[0]["activity"], rows[1]["activity"])
+
+
+class TestMotionCapture:
+    config = revised(
+        named_configuration("testbed"),
+        nested(
+            {
+                "perception.source": "motion_capture",
+                "perception.noise.position": 2e-4,
+                "perception.noise.angle": 1e-3,
+                "perception.noise.joint_angle": 6e-6,
+                "perception.noise.force": 0.02,
+                "perception.noise.torque": 1e-3,
+            }
+        ),
+    )
+
+    def flown(self, changes: dict[str, object], ticks: int = 400) -> np.ndarray:
+        """Ticks of a capture's approach, before any touch."""
+        mission = Mission(revised(self.config, nested(changes)))
+        mission.request(Command.CAPTURE)
+        return mission.advance(ticks)
+
+    def test_knows_twists_far_better_than_differences_of_pictures(self) -> None:
+        rows = self.flown({})
+        errors = rows["target_perceived_twist"] - rows["target_twist"]
+        differences = np.sqrt(2) * np.array([2e-4, 2e-4, 1e-3]) * 100.0
+        assert (np.abs(errors).max(axis=0) < differences / 5).all()
+        assert np.abs(errors).max() > 0.0
+
+    def test_makes_up_for_the_delay_of_base_and_target(self) -> None:
+        """At 50 ms delay a target at 1 rad/s would be 50 mrad behind, and the base by what the arms moved it."""
+        rows = self.flown({"perception.capture.delay": 0.05})
+        target = rows["target_perceived_pose"] - rows["target_pose"]
+        assert np.abs(target[:, 2]).max() < 5e-3
+        base = rows["base_perceived_pose"] - rows["base_pose"]
+        moved = np.ptp(rows["base_pose"][:, 2])
+        assert moved > 0.02
+        assert np.abs(base[:, 2]).max() < 4e-3
+        assert np.abs(base[:, :2]).max() < 1e-3
+
+    def test_lives_through_gaps(self) -> None:
+        rows = self.flown({"perception.capture.dropouts": 0.8})
+        assert np.abs(rows["target_perceived_pose"] - rows["target_pose"]).max() < 5e-3
+
+    def test_is_repeatable_and_unlike_another_seeds(self) -> None:
+        one, again, other = (self.flown({"simulation.seed": seed}, 60) for seed in (1, 1, 2))
+        assert one.tobytes() == again.tobytes()
+        assert not np.array_equal(one["target_perceived_pose"], other["target_perceived_pose"])
+
+    def test_of_a_replay_is_the_same(self) -> None:
+        rows = self.flown({})
+        follower = Mission(self.config)
+        follower.request(Command.CAPTURE)
+        assert np.array_equal(follower.follow(rows)["commanded_joint_rate"], rows["commanded_joint_rate"])
+
+    def test_captures(self) -> None:
+        outcome = run_capture(self.config).outcome
+        assert outcome.closed_at is not None
