@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from sim.config import PARAMETERS
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -48,3 +50,9 @@ def test_every_package_that_becalm_needs_is_among_the_licences():
     script = ROOT / "docs" / "hooks" / "licences.py"
     done = subprocess.run([sys.executable, str(script), "--check"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_the_readme_counts_the_parameters_that_there_are():
+    counted = re.search(r"Any of the (\d+) parameters", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert counted is not None
+    assert int(counted[1]) == len(PARAMETERS)
