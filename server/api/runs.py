@@ -45,7 +45,7 @@ class RunRequest(BaseModel):
         extra="forbid",
         json_schema_extra={
             "examples": [
-                {"configuration": "published", "changes": {"control": {"impedance": {"damping": 3.0}}}},
+                {"configuration": "published", "changes": {"published": {"impedance": {"damping": 3.0}}}},
                 {"direct": True, "seed": 7},
             ]
         },

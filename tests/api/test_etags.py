@@ -48,7 +48,7 @@ async def test_what_is_known_is_not_sent_again(console, names):
 
 async def test_a_change_has_another_name(console):
     before = (await console.http.get("/mission/config")).headers["etag"]
-    await console.http.patch("/mission/config", json={"control": {"impedance": {"damping": 3.0}}})
+    await console.http.patch("/mission/config", json={"published": {"impedance": {"damping": 3.0}}})
     changed = await console.http.get("/mission/config", headers={"If-None-Match": before})
     assert changed.status_code == 200
     assert changed.headers["etag"] != before

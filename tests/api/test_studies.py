@@ -143,7 +143,7 @@ async def test_cancelled_and_gone_on_with(console):
 
 
 async def test_what_the_last_service_left_is_flown_by_the_next(settings):
-    left = create_app(settings).state.services.studies
+    left = create_app(settings).state.services.studies.make_root()
     record = left.create(study_of(GRID))
     left.revise(record.id, status="running")  # as a killed service leaves it
     app = create_app(settings)

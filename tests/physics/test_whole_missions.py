@@ -171,7 +171,7 @@ class TestACaptureAndAfter:
 
     def test_release_draws_the_hands_back_and_a_new_capture_is_judged_anew(self, captured):
         assert captured.outcome.caged
-        assert captured.phase.value == "holding"
+        assert captured.phase.label == "holding"
         first = captured.outcome
 
         captured.request(Command.RELEASE)
@@ -240,7 +240,7 @@ class TestLiveChanges:
 
         period = mission.config.control.period
         speed = before["desired_hand_twist"]
-        displacement = mission._memory["admittance_displacement"]
+        displacement = mission._own[0]["admittance_displacement"]
         drive = np.abs(after["hand_wrench"]) + damping * np.abs(speed) + stiffness * np.abs(displacement)
         bound = period * drive / mass
         jump = np.abs(after["desired_hand_twist"] - speed)
