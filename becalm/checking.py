@@ -21,11 +21,11 @@ DEFAULT = "default"
 
 
 def checked(chosen: Chosen) -> dict[str, Any]:
-    """Every setting with its source, and what they come to; nothing is started or written.
+    """Every setting with its source, and what follows from them; nothing is started or written.
 
     Raises:
         ConfigError: a start would refuse these settings.
-        AddressInUse: the address cannot be had.
+        AddressInUse: the address is taken.
         DataFolderInUse: another service has the data folder.
         PermissionError: the data folder cannot be written.
 

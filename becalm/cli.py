@@ -120,7 +120,7 @@ A study file (TOML or JSON) names a configuration and what varies over it:
   target.initial_spin = { from = 0.5, to = 2.0 }
   target.mass = { mean = 2.35, deviation = 0.1 }
 
-Ctrl-C stops a study; the same command goes on where it stopped.
+Ctrl-C stops a study; the same command resumes it.
 """
 
 
@@ -137,7 +137,7 @@ In the folder:
   tables/                      every cell, agreement, first touches, ablations, CSV
   summary.json                 every number of the report
 
-What was flown is kept in the folder: the same command goes on where it stopped.
+What was flown is kept in the folder: the same command resumes it.
 """
 
 
@@ -189,7 +189,7 @@ def _configured(command: Any) -> Any:
 
 
 def _changes(file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
-    """The nested changes that a file and then the single settings make; what is ignored of the file is said."""
+    """The nested changes that a file and then the single settings make; what is ignored of the file is reported."""
     read = read_parameters_file(file) if file else Read({}, ())
     _say(read.notices)
     return reduce(merged, map(parse_setting, settings), read.values)
@@ -281,7 +281,7 @@ def run(
 @click.argument("run_id", metavar="RUN")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as one JSON document.")
 def replay(*, run_id: str, as_json: bool) -> None:
-    """Drive the recorded states of RUN (an identifier, or `latest`) through today's controller, and fly it again.
+    """Drive the recorded states of RUN (an identifier, or `latest`) through the current controller, and fly it again.
 
     Both are compared with the log tick by tick; the first difference is named.
     """
@@ -387,7 +387,9 @@ def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_js
 @_configured
 @click.option("--imperfection", "imperfect", metavar="NAME=VALUE", multiple=True, help="Of sensors or table.")
 @click.option("--fault", "faults", metavar="NAME=VALUE[@S]", multiple=True, help="What goes wrong, and when.")
-@click.option("--deadline", type=number_option, default=0.1, show_default=True, help="Of heartbeat and commands [s].")
+@click.option(
+    "--deadline", type=number_option, default=0.1, show_default=True, help="Of heartbeat and joint commands [s]."
+)
 @click.option("--clock-offset", type=number_option, default=0.0, help="How far its clock is ahead [s].  [default: 0]")
 @click.option("--realtime", is_flag=True, help="Let the system run it before other processes (Linux, if it may).")
 @click.option("--users", type=click.Path(path_type=Path), help="Who may connect: a file of lines user:password.")

@@ -1,4 +1,4 @@
-"""`becalm replay`: a run against today's controller and, if it was simulated, flown again from its own log."""
+"""`becalm replay`: a run against the current controller and, if it was simulated, flown again from its own log."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def same(report: dict[str, Any]) -> bool:
 def as_text(report: dict[str, Any]) -> str:
     """What `becalm replay` prints."""
     lines = [f"Run {report['run_id']}, {report['ticks']} ticks", *(f"  {notice}" for notice in report["notices"])]
-    for name, title in (("controller", "today's controller in the recorded states"), ("rerun", "flown again")):
+    for name, title in (("controller", "the current controller in the recorded states"), ("rerun", "flown again")):
         lines.append(f"  {title}: {_in_words(report[name])}")
     return "\n".join(lines)
 
@@ -93,7 +93,11 @@ def _compared(reader: RunReader, now: Iterator[TickArray]) -> dict[str, Any]:
             compared += int(known.sum())
             if not known.all():
                 missing = int(recorded["tick"][np.argmin(known)])
-                return {"same": False, "compared": compared, "refused": f"today's flight ends before tick {missing}"}
+                return {
+                    "same": False,
+                    "compared": compared,
+                    "refused": f"the current flight ends before tick {missing}",
+                }
             waiting = waiting[at[-1] + 1 :]
     except CaptureError as error:
         return {"same": False, "compared": compared, "refused": str(error)}

@@ -62,7 +62,7 @@ def reproduce(out: Path, workers: int, every: int, *, ablate: bool) -> dict[str,
     """Fly, draw, write; the document that `--json` prints. Progress goes to standard error.
 
     Raises:
-        ConfigError: the folder cannot be one.
+        ConfigError: it is not a folder.
         TableUnusable: the rows cannot be kept.
         WorkersUnavailable: no worker process can be started.
 
@@ -74,7 +74,7 @@ def reproduce(out: Path, workers: int, every: int, *, ablate: bool) -> dict[str,
     prepare()
     found = _flown(folder, workers, every, ablate=ablate)
     document = findings(found)
-    _say("Flying again the cells that stand for others")
+    _say("Flying the typical cells again")
     study = tables_study("published", every)
     shown = [ShownExample(example, fly_row(study, example.row)) for example in found.examples]
     _say("Drawing")
@@ -88,7 +88,7 @@ def reproduce(out: Path, workers: int, every: int, *, ablate: bool) -> dict[str,
 
 def _flown(folder: Folder, workers: int, every: int, *, ablate: bool) -> Reproduction:
     """Everything that is flown, in the order in which it can be waited for."""
-    _say("Flying the captures that are shown whole")
+    _say("Flying the captures that the report shows in full")
     captures = Captures(
         direct=fly_whole(named_configuration("published"), direct=True),
         representative=fly_whole(named_configuration("published")),
@@ -118,7 +118,7 @@ def _fly(table: StudyTable, workers: int) -> None:
     except KeyboardInterrupt:
         for worker in multiprocessing.active_children():
             worker.terminate()
-        _say("\nStopped. What was flown is kept; the same command goes on from there")
+        _say("\nStopped. What was flown is kept; the same command resumes it")
         sys.exit(INTERRUPTED)
     if sys.stderr.isatty():
         _say("")
@@ -180,7 +180,7 @@ def as_text(document: Mapping[str, Any]) -> str:
             )
     lines += [
         "",
-        f"The first touch alone foretells success and failure with kappa {touch['kappa_measured']:.2f} "
+        f"The first touch alone predicts success and failure with kappa {touch['kappa_measured']:.2f} "
         f"(by a collision model without robot or planner: {touch['kappa_planar']:.2f}).",
         "",
         f"Wrote {document['report']}",

@@ -89,8 +89,8 @@ def run_robot(
     """Be the robot until the process is asked to end.
 
     Raises:
-        ConfigError: the link cannot be opened, or real time not be had.
-        AddressInUse: the REST port cannot be had.
+        ConfigError: the link cannot be opened, or real time is not available.
+        AddressInUse: the REST port is taken.
 
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(message)s")

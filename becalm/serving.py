@@ -45,8 +45,8 @@ def serve(settings: Settings, *, open_page: bool) -> None:
     """Serve until the process is asked to end.
 
     Raises:
-        ConfigError: the configuration that the mission should open with cannot be, or real time not be had.
-        AddressInUse: the address cannot be had.
+        ConfigError: the configuration that the mission should open with is invalid, or real time is not available.
+        AddressInUse: the address is taken.
         DataFolderInUse: another service has the data folder.
 
     """
@@ -143,7 +143,7 @@ class _Server(uvicorn.Server):
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Heed more signals than uvicorn does, but none that whoever started this has it ignore (`nohup`)."""
+        """Handle more signals than uvicorn does, but none that whoever started this has it ignore (`nohup`)."""
         if threading.current_thread() is not threading.main_thread():
             yield
             return

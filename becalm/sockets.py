@@ -1,4 +1,4 @@
-"""Sockets to listen on, had before anything is started for them."""
+"""Sockets to listen on, bound before anything is started for them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def bound_socket(host: str, port: int) -> socket.socket:
     """A socket bound to this address, before anything is started for it.
 
     Raises:
-        AddressInUse: it cannot be had; the message names the address and what to do.
+        AddressInUse: it is taken; the message names the address and what to do.
 
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET

@@ -44,7 +44,7 @@ class Output(NamedTuple):
 
 
 class StudyReport(NamedTuple):
-    """What a study that is whole has to tell besides its table."""
+    """What a finished study reports besides its table."""
 
     study: Study
     output: Output
@@ -59,7 +59,7 @@ class StudyReport(NamedTuple):
     measures: list[MeasureSummary]
     """Of a study that is a sample."""
     agreements: list[Agreement] | None
-    """With the published tables, where they can be laid beside the study."""
+    """With the published tables, where they can be compared with the study."""
 
     @property
     def flown(self) -> int:
@@ -71,7 +71,7 @@ def output_file(path: Path, table_format: str | None) -> Output:
     """The file of that name, in that format or its suffix's.
 
     Raises:
-        ConfigError: neither says which format, or the file cannot be there.
+        ConfigError: neither says which format, or the file cannot be written there.
 
     """
     table_format = table_format or path.suffix.removeprefix(".")
@@ -89,7 +89,7 @@ def chosen_study(name_or_file: str, changes: Mapping[str, Any], seed: int | None
     """The study of that name or in that file, with nested changes and perhaps another seed.
 
     Raises:
-        ConfigError: there is none, or it cannot be.
+        ConfigError: there is none, or it is invalid.
 
     """
     if name_or_file in NAMED_STUDIES:
@@ -106,7 +106,7 @@ def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
     """Processes on this machine, or the workers of a cluster.
 
     Raises:
-        ConfigError: both are asked for, or the address cannot be one.
+        ConfigError: both are asked for, or the address is invalid.
         WorkersUnavailable: the cluster has no worker that could fly a cell.
 
     """
@@ -118,14 +118,14 @@ def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
 
 
 def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, replace: bool) -> StudyReport:
-    """Fly the cells that are missing, write the table, and tell what came out; progress goes to standard error.
+    """Fly the cells that are missing, write the table, and report the results; progress goes to standard error.
 
     Args:
         study: what to fly.
         output: where its table goes.
         workers: what flies it.
-        confirmed: more than `MANY_CELLS` cells are meant.
-        replace: a table that is there already, or a part of one, gives way.
+        confirmed: more than `MANY_CELLS` cells are intended.
+        replace: drop a table, or rows, that are there already.
 
     Raises:
         ConfigError: there is a table already.
@@ -141,7 +141,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
         prepare(study.base.simulation.engine)
         resumed = len(table)
         if resumed:
-            click.echo(f"Going on: {resumed} of {study.count} cells are there already", err=True)
+            click.echo(f"Resuming: {resumed} of {study.count} cells are there already", err=True)
         if study.count - resumed > MANY_CELLS and not confirmed:
             _ask(study, study.count - resumed, workers)
         progress = _fly_missing(table, workers)
@@ -172,7 +172,7 @@ def _fly_missing(table: StudyTable, workers: Workers) -> Progress:
             worker.terminate()
         click.echo(
             f"\nStopped. {len(table)} of {table.study.count} cells are kept in {table.path}; "
-            "the same command goes on from there",
+            "the same command resumes it",
             err=True,
         )
         sys.exit(INTERRUPTED)
@@ -182,7 +182,7 @@ def _fly_missing(table: StudyTable, workers: Workers) -> Progress:
 
 
 def _ask(study: Study, cells: int, workers: Workers) -> None:
-    """Say how long so many cells take, and go on only if that is wanted."""
+    """Say how long that many cells take, and continue only if the person agrees."""
     duration = in_words(flight_time(study, cells, workers))
     question = f"{cells} cells take about {duration} on {workers.words} (--yes does not ask). Start?"
     if not click.confirm(question, err=True):

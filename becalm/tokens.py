@@ -13,7 +13,7 @@ from server.access.tokens import Token, TokenStore
 from server.settings import Settings
 
 SHORTEST_DAYS, LONGEST_DAYS = 1e-5, 36_525
-"""Of a token that does not hold for good: a second to a hundred years."""
+"""Days for which a token may be valid: a second to a hundred years."""
 
 EXAMPLES = """\b
 Examples:
@@ -39,9 +39,9 @@ def _store() -> TokenStore:
 def _lifetime(_context: click.Context, _option: click.Parameter, days: float | None) -> timedelta | None:
     if days is None:
         return None
-    if not SHORTEST_DAYS <= days <= LONGEST_DAYS:  # nor is one that is no number
+    if not SHORTEST_DAYS <= days <= LONGEST_DAYS:  # NaN fails this, too
         raise click.BadParameter(
-            f"{days:g} days: write {SHORTEST_DAYS:.0e} to {LONGEST_DAYS}; left out, it holds for good"
+            f"{days:g} days: write {SHORTEST_DAYS:.0e} to {LONGEST_DAYS}; left out, it does not expire"
         )
     return timedelta(days=days)
 
@@ -54,7 +54,9 @@ def token() -> None:
 @token.command()
 @click.argument("name")
 @click.option("--role", type=click.Choice([role.value for role in Role]), required=True, help="What it allows.")
-@click.option("--days", type=float, callback=_lifetime, help="How long it holds.  [default: for good; at most 36525]")
+@click.option(
+    "--days", type=float, callback=_lifetime, help="How long it is valid.  [default: without end; at most 36525]"
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 def create(*, name: str, role: str, days: timedelta | None, as_json: bool) -> None:
     """Make a token for NAME and print it: this once, it is kept nowhere."""
@@ -75,18 +77,18 @@ def list_tokens(*, as_json: bool) -> None:
         click.echo(json.dumps(found))
         return
     for each in found:
-        holds = "expired" if each["expired"] else f"until {each['expires']}" if each["expires"] else "for good"
+        holds = "expired" if each["expired"] else f"until {each['expires']}" if each["expires"] else "without end"
         click.echo(f"{each['name']:<24}{each['role']:<10}{holds}")
     if not found:
-        click.echo("There is none yet: becalm token create NAME --role operator", err=True)
+        click.echo("There are none yet: becalm token create NAME --role operator", err=True)
 
 
 @token.command()
 @click.argument("name")
 def revoke(*, name: str) -> None:
-    """Let the token of NAME hold no longer."""
+    """Revoke the token of NAME."""
     _store().revoke(name)
-    click.echo(f"The token of {name} holds no longer.", err=True)
+    click.echo(f"The token of {name} is revoked.", err=True)
 
 
 def _described(each: Token) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def read_number(typed: str) -> float | int:
     """One number; a whole one if it is written without point and exponent.
 
     Raises:
-        ConfigError: it is none; the message says what to write instead.
+        ConfigError: it is not a number; the message says what to write instead.
 
     """
     text = typed.translate(_PLAIN).strip()
@@ -112,7 +112,7 @@ def number_option(typed: str | float) -> float:
     """The value of an option that is a number, as people type it.
 
     Raises:
-        click.BadParameter: it is none; the message says what to write instead.
+        click.BadParameter: it is not a number; the message says what to write instead.
 
     """
     try:

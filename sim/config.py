@@ -21,14 +21,14 @@ from sim.parameters import LIVE, ConfigModel, Number, WholeNumber, parameter
 from sim.schema_history import VERSION, config_version
 
 
-def _todays(version: int) -> int:
+def _is_current(version: int) -> int:
     if version != config_version():
         raise ValueError(f"parameters have the names of version {config_version()} here")
     return version
 
 
-NamesVersion = Annotated[WholeNumber, AfterValidator(_todays)]
-"""Of the parameters' names: today's; what was stored under others is read by `sim.stored`."""
+NamesVersion = Annotated[WholeNumber, AfterValidator(_is_current)]
+"""Of the parameters' names: the current one; what was stored under others is read by `sim.stored`."""
 
 _MOST_STEPS = 100
 """Physics steps in one tick: what a live mission can still be stopped between."""

@@ -282,7 +282,7 @@ def stated_value(config: MissionConfig, path: str) -> str:
 
 
 def unknown_parameter(path: str) -> str:
-    """That no parameter has this path, and how it is called now, why it is gone, or which one may be meant."""
+    """A message that no parameter has this path, with its current name, why it was removed, or the nearest one."""
     change = change_of(path, PARAMETER_CHANGES)
     path = shortened(path)
     if change is not None:

@@ -20,7 +20,7 @@ from server.files import replace_file
 
 NAME = "becalm_token_"
 LIFETIME = 30 * 24 * 3600
-"""After which one signs in again [s]; a token that is revoked or expires holds no longer at once."""
+"""After which one signs in again [s]; a token that is revoked or expires is invalid at once."""
 
 MOST = 4
 """Cookies of our name that are looked at: a browser sends that of the longest path first."""

@@ -24,7 +24,7 @@ Holds = Callable[[], bool]
 
 
 class TokenEnded(Exception):
-    """Ends the sending of an answer whose token holds no longer."""
+    """Ends the sending of an answer whose token is no longer valid."""
 
 
 async def run_socket(app: ASGIApp, scope: Scope, receive: Receive, send: Send, holds: Holds) -> None:
@@ -44,7 +44,7 @@ async def run_socket(app: ASGIApp, scope: Scope, receive: Receive, send: Send, h
 
 
 async def run_answer(app: ASGIApp, scope: Scope, receive: Receive, send: Send, holds: Holds) -> None:
-    """Answer a request; what is sent in parts ends, unfinished, when the token holds no longer."""
+    """Answer a request; what is sent in parts ends, unfinished, when the token is no longer valid."""
     looked = time.monotonic()
 
     async def while_it_holds(message: Message) -> None:

@@ -169,7 +169,7 @@ class TokenStore:
         return self._admin_digest is not None or any(not token.expired for token in self.tokens())
 
     def holder_of(self, secret: str) -> Holder | None:
-        """Whose token that is; None if it is no token, or holds no longer."""
+        """Whose token that is; None if it is not a token, or no longer valid."""
         digest = _digest(secret)
         if digest == self._admin_digest:
             return Holder(ADMIN_NAME, Role.ADMIN)

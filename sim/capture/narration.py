@@ -35,7 +35,7 @@ def readiness(row: Any, config: MissionConfig, phase: Phase, outcome: Outcome | 
     """Go or no-go for what comes next at a tick, one element of `TICK`, in that phase."""
     if phase in (Phase.STOPPED, Phase.FAULTED):
         why = "the mission was stopped" if phase is Phase.STOPPED else "the mission has a fault"
-        return _readiness("reset", f"{why}; only a reset goes on", [])
+        return _readiness("reset", f"{why}; only a reset is possible", [])
     if outcome is not None and not outcome.caged:
         return _readiness("reset", f"the capture has ended: {_first_lower(verdict_in_words(outcome))}", [])
     if phase is Phase.HOLDING:

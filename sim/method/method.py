@@ -184,7 +184,7 @@ def _hand_twist_of(handle: Any, memory: Any, parameters: Any, robot: Any, state:
 
 @compiled
 def enter_phase(memory: Record, phase: int, activity: int, sequence: int) -> None:
-    """The one function that writes the phase, with what is done in it and how far it goes on by itself."""
+    """The one function that writes the phase, with what is done in it and how far the phases follow one another."""
     memory.phase, memory.activity, memory.sequence = phase, activity, sequence
 
 

@@ -68,7 +68,7 @@ class StudyRows:
         """Those of the current version, and those that only this table has.
 
         Raises:
-            TableUnusable: the file is no table.
+            TableUnusable: the file is not a table.
 
         """
         with self._opened() as connection:

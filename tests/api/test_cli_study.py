@@ -171,7 +171,7 @@ def test_ctrl_c_stops_and_the_same_command_goes_on(tmp_path):
         stdout, stderr = process.communicate(timeout=180)
     assert process.returncode == 130
     assert stdout == ""
-    assert "the same command goes on from there" in stderr
+    assert "the same command resumes it" in stderr
     assert "Traceback" not in stderr
     assert not out.exists()
     document = json.loads(_invoke(study, "--out", out, "--json").stdout)

@@ -41,7 +41,7 @@ def _revised(folder: Path, **changes) -> None:
 
 
 def _ticks_of_format_1(folder: Path) -> np.ndarray[Any, np.dtype[Any]]:
-    """The ticks by the layout that the run itself tells; x86-64 and ARM64 have the file's byte order."""
+    """The ticks by the layout in the run itself; x86-64 and ARM64 have the file's byte order."""
     layout = json.loads((folder / "run.json").read_text())["layout"]
     formats = [(field["kind"], tuple(field["shape"])) for field in layout["fields"]]
     names, offsets = ([field[key] for field in layout["fields"]] for key in ("name", "offset"))

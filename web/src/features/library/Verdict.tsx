@@ -1,4 +1,4 @@
-/** How a run ended, by its verdict; what it is runAction, without one. */
+/** How a run ended, by its verdict; what it is doing, without one. */
 import type { RunSummary } from "../../api/types";
 import { classStyle } from "../glossary/class-style";
 import styles from "./RunTable.module.css";

@@ -19,7 +19,7 @@ export function changeWords({ path, unit, configured, value }: Change): string {
 export const changesTitle = (changes: readonly Change[]): string =>
   changes.map((change) => `${change.path}: ${change.title}\n    ${changeWords(change)}`).join("\n");
 
-/** What a run is runAction, or how it ended without a verdict: cut off, ended by a reset, ended by STOP; else by its status. */
+/** What a run is doing, or how it ended without a verdict: cut off, ended by a reset, ended by STOP; else by its status. */
 export function statusWords({ status, kind, integrity, note }: Pick<RunSummary, "status" | "kind" | "integrity" | "note">): string {
   if (status === "failed" && integrity === "recovered") return "cut off";
   const flown = kind === "live" || kind === "fork";
