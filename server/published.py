@@ -62,7 +62,7 @@ class MissionSnapshot(Snapshot):
 
     made_at: str = Field(description="Wall clock when it was made, ISO 8601, UTC")
     service_time: float = Field(
-        description="The same on the service's monotonic clock [s], which `GET /health` and `hello` tell too: "
+        description="The same on the service's monotonic clock [s], which `GET /health` and `hello` have, too: "
         "how old a snapshot is follows from it"
     )
     robot: RobotData | None = Field(description="Null in simulation")

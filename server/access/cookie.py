@@ -1,7 +1,7 @@
 """The cookie that keeps a token in a browser: one for each service, whatever other cookies come along.
 
-Browsers tell hosts apart, not ports: the cookies of two services on one host reach both. So the name holds what
-tells this service's data folder from every other.
+Browsers distinguish hosts, not ports: the cookies of two services on one host reach both. So the name holds what
+distinguishes this service's data folder from every other.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class SessionCookie:
         )
 
     def _identity(self) -> str:
-        """What tells the data folder from others; of a folder that cannot be written, this process from others."""
+        """What distinguishes this data folder from others; this process, if the folder cannot be written."""
         try:
             kept = self._path.read_text(errors="replace").strip()
         except OSError:

@@ -52,13 +52,13 @@ def _operators(services: Services) -> tuple[str, ...]:
 
 @router.get("")
 async def control(services: ServicesDep) -> ControlStatus:
-    """Who is in control; every snapshot tells that too."""
+    """Who is in control; every snapshot says that, too."""
     return ControlStatus(control=services.loop.desk.control, operators=list(_operators(services)))
 
 
 @router.post("", responses=responses(409, 422, 503, 504))
 async def change_control(services: ServicesDep, asker: AskerDep, body: ControlRequest) -> CommandAnswer:
-    """Take control, hand it over, release it, or relieve who has it; the mission's log tells who did so."""
+    """Take control, hand it over, release it, or relieve who has it; the mission's log says who did so."""
     operators = _operators(services)
     if body.to is not None and body.to not in operators:
         known = ", ".join(operators) or "nobody: no tokens are needed here, so there is one operator only"

@@ -34,7 +34,7 @@ router = APIRouter()
 
 
 class Show(BaseModel):
-    """Draw and tell the run at a moment."""
+    """Draw and describe the run at a moment."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -7,7 +7,7 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 
 WORTH_COMPRESSING = 1000
 """Bytes of the smallest answer that is sent compressed: one packet carries it as it is. No answer that small holds a
-secret beside what somebody sent, so that its length tells nothing."""
+secret beside what somebody sent, so that its length reveals nothing."""
 COMPRESSION_LEVEL = 5
 """Of gzip: three quarters of the time of the highest is saved, and 3 % of the size lost."""
 COMPRESSED_HERE = 16_384

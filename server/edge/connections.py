@@ -40,10 +40,10 @@ BODY_TIME = 30.0
 STALL_TIME = 60.0
 """How long a client may take nothing of an answer that waits for it [s]."""
 
-Stage = Literal["head", "body", "answer", "rest", "socket"]
+ConnectionStage = Literal["head", "body", "answer", "rest", "socket"]
 """What a connection waits for: a request's head or body, the service, the next request; or it is a WebSocket."""
 
-_TIMES: dict[Stage, float] = {"head": HEAD_TIME, "body": BODY_TIME}
+_TIMES: dict[ConnectionStage, float] = {"head": HEAD_TIME, "body": BODY_TIME}
 
 log = logging.getLogger(__name__)
 
@@ -134,7 +134,7 @@ class BoundedHttp(H11Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Begin, if there is room."""
-        self._stage: Stage = "rest"
+        self._stage: ConnectionStage = "rest"
         self._has_asked = False
         self._timer: asyncio.TimerHandle | None = None
         self._stalled: asyncio.TimerHandle | None = None
@@ -197,12 +197,12 @@ class BoundedHttp(H11Protocol):
         """Whether it is closed, or about to be."""
         return self.transport.is_closing()
 
-    def _waiting_for(self) -> Stage:
+    def _waiting_for(self) -> ConnectionStage:
         if self.cycle is None or self.cycle.response_complete:
             return "head"
         return "body" if self.cycle.more_body else "answer"
 
-    def _enter(self, stage: Stage) -> None:
+    def _enter(self, stage: ConnectionStage) -> None:
         """Begin a stage's time, unless it has begun: bytes that trickle in do not make it longer."""
         if stage == self._stage:
             return

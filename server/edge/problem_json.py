@@ -80,7 +80,7 @@ _TITLES = {
 }
 
 _TIPS = {
-    401: "`becalm token create` makes one, `becalm token list` tells which there are",
+    401: "`becalm token create` makes one, `becalm token list` lists them",
     404: "/docs lists every address",
     405: "/docs lists every address with its methods",
     422: "/docs shows what is expected",
@@ -113,7 +113,7 @@ class ProblemDocument(BaseModel):
     type: str = "about:blank"
     title: str = Field(examples=["Refused"])
     status: int = Field(examples=[409])
-    instance: str | None = Field(None, description="Of 500: under which the service's log tells more")
+    instance: str | None = Field(None, description="Of 500: the name under which the service's log says more")
     detail: str = Field(examples=["release is refused in phase idle: nothing is under way yet"])
     tip: str = Field("", description="What a person can do about it")
     errors: list[Finding] | None = Field(None, description="Of 422: each invalid value")
@@ -177,7 +177,7 @@ def _cut(finding: Finding) -> Finding:
 
 
 def document_of(error: CaptureError) -> ProblemDocument:
-    """The document that tells of a refusal."""
+    """The document that describes a refusal."""
     status = next((code for kind, code in STATUSES.items() if isinstance(error, kind)), 500)
     return ProblemDocument(
         title=_TITLES.get(status, "Failed"),
@@ -306,7 +306,7 @@ async def _unexpected(_: Request, error: Exception) -> JSONResponse:
             title="Failed",
             status=500,
             detail=f"{type(error).__name__}: an error that Becalm did not expect",
-            tip=f"the service's log tells more under {name}; please report it",
+            tip=f"the service's log says more under {name}; please report it",
             instance=f"urn:becalm:error:{name}",
         )
     )

@@ -267,7 +267,7 @@ class RunIndex:
             why = _why_no_run(self._store.root / name)
             return None if why is None else {**row, "unreadable": why, "settled": 0}
         except StoredUnreadable as error:
-            # What the system refuses may be allowed later, and no stamp would tell.
+            # What the system refuses may be allowed later, and no stamp would show it.
             return {**row, "unreadable": str(error), "settled": int(not isinstance(error.__cause__, OSError))}
         except Exception as error:  # one folder, whatever is in it, must not take the others along
             log.exception("run %s cannot be read", name)

@@ -18,7 +18,7 @@ Values = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Plotted(NamedTuple):
-    """A column of the history: one of the log, or what plots show that no single column of the log tells."""
+    """A column of the history: one of the log, or what plots show that no single column of the log has."""
 
     name: str
     unit: str

@@ -44,7 +44,7 @@ def _stored_ticks(file: BinaryIO, index: ChunkIndex, layout: TickLayout) -> Stor
 
 
 def _size(path: Path) -> int:
-    """Of a file [bytes]; 0 for one that is gone, that the system does not tell of, and for a folder."""
+    """Of a file [bytes]; 0 for one that is gone, that the system does not describe, and for a folder."""
     try:
         found = path.stat()
     except OSError:

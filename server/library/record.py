@@ -99,7 +99,7 @@ class Remarks(FrozenMessage):
 
 
 class LoggedEvent(Event):
-    """An event of a run as it is logged; a command also tells who asked and whether it was granted."""
+    """An event of a run as it is logged; a command also says who asked and whether it was granted."""
 
     at: str = Field(description="Wall clock, ISO 8601, UTC")
     who: str | None = None

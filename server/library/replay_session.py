@@ -157,7 +157,7 @@ class ReplaySession:
             shutil.rmtree(self._doorway.parent, ignore_errors=True)  # it had no time to
 
     def _call(self, name: str, *arguments: Any) -> Any:
-        with contextlib.suppress(OSError):  # reading tells
+        with contextlib.suppress(OSError):  # reading reports it
             self._pipe.send((name, arguments))
         return self._answer()
 

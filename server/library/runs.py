@@ -139,7 +139,7 @@ class RunStore:
         names = (path.name for path in self.root.glob("*") if RUN_ID.fullmatch(path.name)) if self.root.exists() else ()
         for name in sorted(names, reverse=True):
             reader = self.find(name)
-            if reader is not None:  # else deleted since, only just made, or of another version: the index tells
+            if reader is not None:  # else deleted since, only just made, or of another version: the index reports it
                 yield reader
 
     def recover(self) -> None:

@@ -65,7 +65,7 @@ class WristFrame(BaseModel):
         return f"frame={self.frame}"
 
     def in_hand(self, wrench: FloatArray) -> FloatArray:
-        """A wrench that the sensor tells, as target on hand about the hand's centre in the hand's axes, shape (3,)."""
+        """A measured wrench, as target on hand about the hand's centre in the hand's axes, shape (3,)."""
         fx, fy, torque = self.sign * wrench
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         x, y = cosine * fx - sine * fy, sine * fx + cosine * fy

@@ -1,4 +1,4 @@
-"""What the emulated testbed's sensors tell of the plant's true state; seeded, the same numbers for the same seed."""
+"""What the emulated testbed's sensors measure of the plant's true state; seeded, the same numbers for the same seed."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Sensors:
         return PlaneSample(stamp, WORLD, seen)
 
     def twist(self, stamp: int, twist: FloatArray) -> PlaneSample:
-        """A body's velocity as motion capture tells it."""
+        """A body's velocity as motion capture measures it."""
         spread = np.array([self._of.velocity_noise, self._of.velocity_noise, self._of.spin_noise])
         return PlaneSample(stamp, WORLD, twist + self._random.normal(0.0, 1.0, 3) * spread)
 

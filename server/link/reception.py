@@ -41,7 +41,7 @@ PING_PERIOD = 0.05
 NEEDED = (contract.JOINT_STATES, *contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
 """Streams without which no mission flies. Twists are watched only: velocities are estimated here."""
 NOISY = (*contract.WRENCHES, contract.BASE_POSE, contract.TARGET_POSE)
-"""Streams that never tell the same twice, unless their sensor is frozen."""
+"""Streams that never repeat a reading, unless their sensor is frozen."""
 JUDGED = (*contract.STREAMS, contract.MODE, contract.HEARTBEAT_ECHO, contract.ACKNOWLEDGEMENT)
 """Channels whose refusals are counted."""
 
@@ -160,7 +160,7 @@ class Reception:
         return self._breakage(now) or self._silent(now) or self._jump()
 
     def unheard(self, now: float) -> Trouble | None:
-        """Why nobody tells a mode that counts, if somebody does."""
+        """Why nobody reports a mode that counts, if somebody does."""
         refused = self.refusals[contract.MODE.key].age(now)
         return self._late(contract.MODE, None, now) if refused is not None and refused <= STEADY_SPAN else None
 
@@ -321,7 +321,7 @@ class Reception:
         return Trouble(cause, f"no {name_of(channel)} for {1e3 * age:.0f} ms")
 
     def _silent(self, now: float) -> Trouble | None:
-        """Whether the robot tells its mode no more, or sends back no heartbeat, by which its clock is known."""
+        """Whether the robot no longer reports its mode, or sends back no heartbeat, by which its clock is known."""
         deadline = self._deadline()
         mode = now - self.reports.at
         if self.reports.latest is not None and mode > deadline + MODE_DEADLINE:

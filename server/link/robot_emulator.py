@@ -1,8 +1,8 @@
 """An emulator of the air-bearing testbed at the robot's end of the link: the simulated plant in real time.
 
-One thread does everything with the plant and the gate, 200 times a second: take what came, step, measure, tell. zenoh's
-threads only put messages into its inbox. Stamps are those of the schedule, so that a late wake-up of this thread does
-not show in them, as it would not in a robot whose sensors are read by a clock.
+One thread does everything with the plant and the gate, 200 times a second: take what came, step, measure, report.
+zenoh's threads only put messages into its inbox. Stamps are those of the schedule, so that a late wake-up of this
+thread does not show in them, as it would not in a robot whose sensors are read by a clock.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class _Message(NamedTuple):
 
 
 class RobotStatus(BaseModel):
-    """What the emulator knows of itself, and no robot could tell."""
+    """What the emulator knows of itself, and no robot could report."""
 
     robot: str = Field(description="Identity: its name, and what it drew when it was last started")
     mode: RobotMode

@@ -110,7 +110,7 @@ def twist_fault(sample: PlaneSample, bounds: Bounds) -> str:
 
 
 def range_fault(sample: PlaneSample, bounds: Bounds) -> str:
-    """Whether a wrench is beyond what the sensor can tell; as it comes, all six components."""
+    """Whether a wrench is beyond what the sensor can measure; as it comes, all six components."""
     force = max(abs(float(each)) for each in (*sample.value[:2], sample.rest[0]))
     torque = max(abs(float(each)) for each in (sample.value[2], *sample.rest[1:]))
     for what, value, limit, unit in (("force", force, bounds.force, "N"), ("torque", torque, bounds.torque, "N m")):

@@ -122,7 +122,7 @@ def _unpacked(chunk: bytes) -> bytes:
 
 
 def _summary(file: BinaryIO, size: int) -> Contents | None:
-    """What the summary tells; None if the file does not end with one."""
+    """What the summary says; None if the file does not end with one."""
     if size < _FOOTER_SIZE + len(MAGIC):
         return None
     file.seek(size - _FOOTER_SIZE)

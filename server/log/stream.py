@@ -1,4 +1,4 @@
-"""An MCAP file that grows by whole chunks, and what its summary has to tell.
+"""An MCAP file that grows by whole chunks, and what its summary holds.
 
 Records come from the `mcap` package, but for messages and their indexes: those are filled by numpy, a thousand at
 once, because a headless run gives 100 000 ticks a second (docs/decisions/0006-logs.md).

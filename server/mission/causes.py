@@ -70,6 +70,6 @@ CAUSE_WORDS: dict[Cause, CauseWords] = {
     ),
     Cause.TIME_UP: CauseWords(
         "Not caged in time",
-        "the events tell what it waited for; reset for the next try, if it was on its way with more judging.time_limit",
+        "the events say what it waited for; reset for the next try, if it was on its way with more judging.time_limit",
     ),
 }

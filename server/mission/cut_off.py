@@ -35,8 +35,8 @@ def cut_off_run(store: RunStore) -> CutOffRun | None:
         return None
     try:
         phase = _last_phase(reader)
-    except (OSError, StoredUnreadable, ValueError) as error:  # its log is damaged: the library tells
-        log.warning("run %s was cut off, and does not tell in which phase: %s", reader.record.id, error)
+    except (OSError, StoredUnreadable, ValueError) as error:  # its log is damaged: the library reports it
+        log.warning("run %s was cut off, and does not say in which phase: %s", reader.record.id, error)
         return None
     if phase is Phase.IDLE:
         return None

@@ -49,7 +49,7 @@ class Fork:
     past: HistoryRing = field(default_factory=HistoryRing)
     """Those ticks, for who watches."""
     events: tuple[LoggedEvent, ...] = ()
-    """What the parent's log tells of them, but for what they follow from, which is in the history."""
+    """What the parent's log says of them, but for what they follow from, which is in the history."""
 
 
 def forked(parent: ForkParent, tick: int) -> Fork:

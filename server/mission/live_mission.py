@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 
 
 def _before_the_fork(event: LoggedEvent) -> LoggedEvent:
-    """An event of the parent as the fork's log tells it; one of a parent's parent is marked already."""
+    """An event of the parent as the fork's log has it; one of a parent's parent is marked already."""
     message = event.message if event.message.startswith(_BEFORE) else f"{_BEFORE}{event.message}"
     return event.model_copy(update={"message": message})
 
@@ -129,7 +129,7 @@ class LiveMission:
             self.run.log(event)
 
     def _inherited(self, intervention: Intervention) -> LoggedEvent:
-        """What was done to the parent, so that the fork's log tells all that its ticks follow from."""
+        """What was done to the parent, so that the fork's log has all that its ticks follow from."""
         tick = intervention.tick
         command = intervention.command
         what = f"{command.value} granted" if command is not None else ", ".join(intervention.changes)

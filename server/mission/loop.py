@@ -156,7 +156,7 @@ class MissionLoop:
             return ServiceBusy("the service is ending", tip="start it again")
         awaited = self._opener.awaited
         if awaited:
-            return ServiceBusy(f"the mission waits for its robot: {awaited}", tip="GET /api/v1/link tells more")
+            return ServiceBusy(f"the mission waits for its robot: {awaited}", tip="GET /api/v1/link says more")
         return ServiceBusy(
             "the simulation is being prepared", tip="its first start compiles for about half a minute; try again"
         )
@@ -240,7 +240,7 @@ class MissionLoop:
         now = time.monotonic()
         due = self._due(now)
         if granted and self.pace.running:
-            due = max(due, 1)  # what was granted begins with this tick, and the answer tells it
+            due = max(due, 1)  # what was granted begins with this tick, and the answer names it
         self._fly(due, now)
         flying = self._flying
         self._armed.watch(arming_context(flying), now)

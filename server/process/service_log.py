@@ -47,7 +47,7 @@ class ServiceLog:
         Args:
             level: least level of Becalm's own lines that is written, such as "info".
             layout: of a line.
-            moment: tells where the mission is.
+            moment: gives where the mission is.
             stream: what is written to; standard error if none.
 
         """

@@ -1,6 +1,6 @@
 """The scene's colours: sRGB, 0 to 255.
 
-Arms, touch, momentum, spin and cage use the Okabe-Ito hues, which colour-blind people tell apart; none
+Arms, touch, momentum, spin and cage use the Okabe-Ito hues, which colour-blind people can distinguish; none
 of them is the only sign: arms differ in side, touches also draw arrows, cages also change their line.
 """
 

@@ -21,15 +21,15 @@ ARC_POINTS = 9
 """Points on a quarter circle of an outline."""
 
 
-class Outline(NamedTuple):
+class SolidOutline(NamedTuple):
     """A convex closed curve, counter-clockwise, with its outward normals; both of shape (points, 2)."""
 
     points: FloatArray
     normals: FloatArray
 
-    def inset(self, distance: float) -> Outline:
+    def inset(self, distance: float) -> SolidOutline:
         """The outline drawn in by that distance along its normals."""
-        return Outline(self.points - distance * self.normals, self.normals)
+        return SolidOutline(self.points - distance * self.normals, self.normals)
 
 
 class Solid(NamedTuple):
@@ -60,7 +60,7 @@ def turn(angle: float) -> FloatArray:
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _arcs(centres: FloatArray, radii: FloatArray, starts: FloatArray, sweeps: FloatArray) -> Outline:
+def _arcs(centres: FloatArray, radii: FloatArray, starts: FloatArray, sweeps: FloatArray) -> SolidOutline:
     """The curve through arcs, one after the other; what lies between them is straight."""
     points, normals = [], []
     for centre, radius, start, sweep in zip(centres, radii, starts, sweeps, strict=True):
@@ -68,17 +68,17 @@ def _arcs(centres: FloatArray, radii: FloatArray, starts: FloatArray, sweeps: Fl
         normal = np.column_stack((np.cos(angles), np.sin(angles)))
         normals.append(normal)
         points.append(centre + radius * normal)
-    return Outline(np.concatenate(points), np.concatenate(normals))
+    return SolidOutline(np.concatenate(points), np.concatenate(normals))
 
 
-def circle(radius: float) -> Outline:
+def circle(radius: float) -> SolidOutline:
     """A circle about the origin."""
     angles = np.linspace(0.0, 2 * math.pi, 4 * ARC_POINTS - 4, endpoint=False)
     normals = np.column_stack((np.cos(angles), np.sin(angles)))
-    return Outline(radius * normals, normals)
+    return SolidOutline(radius * normals, normals)
 
 
-def rectangle(width: float, depth: float, corner: float) -> Outline:
+def rectangle(width: float, depth: float, corner: float) -> SolidOutline:
     """A rectangle about the origin with rounded corners."""
     x, y = width / 2 - corner, depth / 2 - corner
     centres = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
@@ -86,7 +86,7 @@ def rectangle(width: float, depth: float, corner: float) -> Outline:
     return _arcs(centres, np.full(4, corner), quarter * np.arange(4.0), np.full(4, quarter))
 
 
-def outline_of(shape: Shape, corner: float) -> Outline:
+def outline_of(shape: Shape, corner: float) -> SolidOutline:
     """The outline of a shape, its corners rounded by that radius from within."""
     if shape.sides == 0:
         return circle(shape.rounding)
@@ -99,7 +99,7 @@ def outline_of(shape: Shape, corner: float) -> Outline:
     return _arcs(centres, np.full(shape.corners, corner + shape.rounding), starts, np.arctan2(sines, cosines))
 
 
-def stadium(length: float, first: float, second: float) -> Outline:
+def stadium(length: float, first: float, second: float) -> SolidOutline:
     """The hull of a circle of radius `first` at the origin and one of radius `second` at (0, length)."""
     lean = math.asin((first - second) / length)
     centres = np.array([[0.0, length], [0.0, 0.0]])
@@ -119,7 +119,7 @@ def _profile(low: float, high: float, bevel: float, steps: int) -> tuple[FloatAr
     return insets, heights, np.column_stack((np.cos(tilt), np.sin(tilt)))
 
 
-def prism(outline: Outline, low: float, high: float, bevel: float = 0.0, steps: int = 3) -> Solid:
+def prism(outline: SolidOutline, low: float, high: float, bevel: float = 0.0, steps: int = 3) -> Solid:
     """The outline from one height to the other, its rims rounded by `bevel`."""
     insets, heights, tilts = _profile(low, high, bevel, steps if bevel else 0)
     count = len(outline.points)

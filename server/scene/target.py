@@ -49,7 +49,7 @@ def target_parts(shape: Shape) -> list[Part]:
 
 
 def _side_panels(shape: Shape) -> list[Part]:
-    """A panel on each side and a strip along its upper edge, told apart by colour."""
+    """A panel on each side and a strip along its upper edge, distinguished by colour."""
     roof, width = half_height(shape), 2.0 * inner_radius(shape)
     parts: list[Part] = []
     for side in range(shape.sides):

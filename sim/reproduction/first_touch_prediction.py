@@ -145,7 +145,7 @@ def _kappa(config: MissionConfig, cells: Sequence[Prediction], by: str, bound: f
 
 
 def _drift_bound(config: MissionConfig, cells: Sequence[Prediction]) -> float:
-    """The drift in flight that tells success from failure best; midway between two cells."""
+    """The drift in flight that separates success from failure best; midway between two cells."""
     drifts = np.unique([cell.measured.drift for cell in cells])
     bounds = [*(0.5 * (drifts[1:] + drifts[:-1])), drifts[-1]]
     return float(max(bounds, key=lambda bound: _kappa(config, cells, "measured", float(bound))))

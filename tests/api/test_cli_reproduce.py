@@ -91,7 +91,7 @@ def test_summary_is_what_json_prints(coarse):
     assert document["ablations"] == []
 
 
-def test_the_first_touch_alone_foretells_most_cells(coarse):
+def test_the_first_touch_alone_predicts_most_cells(coarse):
     """Without rings and bounces: the collision model knows neither robot nor planner."""
     out, _ = coarse
     rows = [row for row in table(out, "first_touch") if float(row["damping"]) > 0.0 and float(row["mass"]) < 0.5]

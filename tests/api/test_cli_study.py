@@ -117,7 +117,7 @@ def test_agreement_is_told_of_the_published_study(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("in_this_process")
-def test_cells_that_fail_are_told(tmp_path):
+def test_cells_that_fail_are_reported(tmp_path):
     study = tmp_path / "steps.toml"
     study.write_text("direct = true\n[grid]\nsimulation.time_step = [0.001, 0.0003]\n")
     result = _invoke(study, "--out", tmp_path / "steps.csv")

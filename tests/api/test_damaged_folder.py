@@ -125,7 +125,7 @@ async def test_runs_at_once_never_pass_the_bound(console, monkeypatch):
     assert console.services.scripted.waiting == 5
 
 
-async def test_a_data_folder_that_goes_and_comes_back_is_told(console, settings):
+async def test_a_data_folder_that_goes_and_comes_back_is_reported(console, settings):
     run_id = _ended(console.services.store)
     away = settings.data_dir.with_name("away")
     (settings.data_dir / "runs").rename(away)

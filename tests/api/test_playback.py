@@ -57,7 +57,7 @@ async def _shown(socket, moment: float) -> dict:
     return await _next(socket)
 
 
-async def test_any_moment_is_shown_and_told(served, run):
+async def test_any_moment_is_shown_and_reported(served, run):
     async with _watching(served, run["id"]) as watcher:
         opened = await _next(watcher)
         assert opened["end"] == pytest.approx(run["duration"])

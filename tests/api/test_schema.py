@@ -1,4 +1,4 @@
-"""The whole API against its own document: whatever is sent, the answer is one that the document foretells."""
+"""The whole API against its own document: whatever is sent, the answer is one that the document describes."""
 
 from __future__ import annotations
 

@@ -169,7 +169,7 @@ class TestACaptureAndAfter:
             mission.advance(1000)
         return mission
 
-    def test_release_draws_the_hands_back_and_a_new_capture_is_judged_anew(self, captured):
+    def test_release_draws_the_hands_back_and_a_new_capture_is_judged_again(self, captured):
         assert captured.outcome.caged
         assert captured.phase.label == "holding"
         first = captured.outcome

@@ -60,7 +60,7 @@ def test_the_delay_is_made_up_for_by_free_motion(settled):
     assert np.abs(error[:2]).max() < 3e-4
 
 
-def test_an_outlier_is_left_out_and_a_jump_that_stays_is_told(settled):
+def test_an_outlier_is_left_out_and_a_jump_that_stays_is_reported(settled):
     estimate, random = settled
     start = estimate.stamp
     sample = _seen(start + PERIOD, random)

@@ -169,7 +169,7 @@ ENTRIES = {
 
 @pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("name", [SPOILED, "20261120T000000000-copied"])
-def test_what_stands_in_a_folders_place_is_told(store, entry, name):
+def test_what_stands_in_a_folders_place_is_reported(store, entry, name):
     shutil.rmtree(store.root / SPOILED)
     make, says = ENTRIES[entry]
     make(store.root / name)
@@ -212,7 +212,7 @@ def test_a_bad_log_or_event_costs_what_it_would_have_told(store, caplog):
     RECORD_DAMAGES["wrong type"](folder / "run.json")
 
 
-def test_a_run_cut_off_whose_log_cannot_be_read_is_told(store):
+def test_a_run_cut_off_whose_log_cannot_be_read_is_reported(store):
     changed(status="running", integrity=None)(store.root / SPOILED / "run.json")
     (store.root / SPOILED / "log.mcap").mkdir()
     store.recover()

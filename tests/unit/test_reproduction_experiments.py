@@ -1,4 +1,4 @@
-"""What is flown to reproduce the paper, which cells stand for others, and how the first touch foretells."""
+"""What is flown to reproduce the paper, which cells are typical, and how the first touch foretells."""
 
 from __future__ import annotations
 

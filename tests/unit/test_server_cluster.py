@@ -45,7 +45,7 @@ def listening(serve):
     ],
     ids=["silent", "web server", "rubbish", "closing", "half a word"],
 )
-def test_what_is_no_scheduler_is_told(monkeypatch, serve, says):
+def test_what_is_no_scheduler_is_reported(monkeypatch, serve, says):
     monkeypatch.setattr(cluster, "CONNECTING_TIME", 0.3)
     with listening(serve) as address, pytest.raises(WorkersUnavailable, match=says) as told:
         cluster_workers(address)

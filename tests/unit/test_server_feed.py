@@ -66,7 +66,7 @@ async def test_events_keep_their_order_and_are_sent_at_any_rate():
     assert await _drained(subscriber) == [f"event {number}" for number in range(10)]
 
 
-async def test_events_are_bounded_and_what_was_missed_is_told():
+async def test_events_are_bounded_and_what_was_missed_is_reported():
     subscriber = Subscriber(RATE)
     subscriber.offer(FeedMessage("reset", "reset"), 0.0)
     for number in range(CAPACITY + 10):

@@ -15,7 +15,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="there is none on oth
 
 
 @linux
-def test_the_punctual_are_before_the_rest_of_the_process(monkeypatch):
+def test_realtime_threads_run_before_the_rest_of_the_process(monkeypatch):
     asked = []
     monkeypatch.setattr(os, "sched_setscheduler", lambda _, policy, given: asked.append((policy, given.sched_priority)))
     schedule_realtime()

@@ -116,7 +116,7 @@ def test_one_that_the_earlier_version_still_writes_is_left_alone(store, folder):
 
 
 @pytest.mark.parametrize("changes", [{"layout": {"size": 8}}, {"layout": None}, {"config": {"robot": {"arms": 3}}}])
-def test_one_that_cannot_be_understood_is_left_as_it_is_and_told(store, folder, changes):
+def test_one_that_cannot_be_understood_is_left_as_it_is_and_reported(store, folder, changes):
     _revised(folder, **changes)
     before = _contents(folder)
     assert list(RunIndex(store).unreadable()) == [folder.name]

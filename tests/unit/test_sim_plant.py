@@ -125,7 +125,7 @@ class TestContact:
         assert not state["tip_contact"].any()
         assert not state["hand_wrench"].any()
 
-    def test_of_the_base_is_solid_and_told(self, engine):
+    def test_of_the_base_is_solid_and_reported(self, engine):
         plant = laid_out(engine, with_target(initial_y=0.17, initial_velocity_y=-0.2, initial_spin=0.0))
         told = False
         for _ in range(500):
@@ -136,7 +136,7 @@ class TestContact:
         assert state["target_pose"][1] - 0.075 > front - 1e-3
         assert state["momentum"] == pytest.approx([0.0, -0.2 * MissionConfig().target.mass, 0.0], abs=1e-6)
 
-    def test_of_the_palm_is_solid_and_told(self, engine):
+    def test_of_the_palm_is_solid_and_reported(self, engine):
         plant = laid_out(
             engine, with_target(side=0.04, initial_x=0.17, initial_y=0.385, initial_velocity_x=0.2, initial_spin=0.0)
         )
