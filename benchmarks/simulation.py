@@ -30,6 +30,7 @@ from sim.configurations import named_configuration, revised
 from sim.control.memory import MEMORY
 from sim.control.phases import Command, Phase, Sequence, Verdict
 from sim.method.method import MethodHandle, begin_sequence, decide, method_of
+from sim.model.clearance import shapes_of
 from sim.model.robot import LINKS, Chain, chain
 from sim.perception.perceived import PERCEIVED, perceive
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
@@ -89,10 +90,16 @@ def _plant_ticks(handle: PlantHandle, parameters: Record, state: Record, rates: 
 
 @compiled
 def _watched_ticks(
-    handle: PymunkHandle, parameters: Record, monitor: Record, memory: Record, state: Record, flown: Ticks
+    handle: PymunkHandle,
+    shapes: Record,
+    parameters: Record,
+    monitor: Record,
+    memory: Record,
+    state: Record,
+    flown: Ticks,
 ) -> None:
     for row in flown:
-        watch(monitor, memory, parameters, handle.robot, handle.target.shape, state, _recalled(handle, state, row))
+        watch(monitor, memory, parameters, handle.robot, shapes, state, _recalled(handle, state, row))
 
 
 @compiled
@@ -131,7 +138,7 @@ def tick_shares() -> dict[str, float]:
     kinds = (MEMORY, MONITOR, PLANT_STATE, PERCEIVED)
     memory, monitor, state, known = (np.zeros(1, kind)[0] for kind in kinds)
     plants = iter([PymunkPlant(config) for _ in range(2 * ROUNDS + 2)])
-    handle, parameters = PymunkPlant(config).handle, record_of(config)
+    handle, parameters, shapes = PymunkPlant(config).handle, record_of(config), shapes_of(config)
     flown = _begun(config).advance(TICKS)
     rates = np.ascontiguousarray(flown["commanded_joint_rate"])
 
@@ -148,7 +155,7 @@ def tick_shares() -> dict[str, float]:
 
     def look() -> None:
         begin_monitoring(monitor, 0.0, state["momentum"])
-        _watched_ticks(handle, parameters, monitor, memory, state, flown)
+        _watched_ticks(handle, shapes, parameters, monitor, memory, state, flown)
 
     parts = {
         "pymunk's step": step,

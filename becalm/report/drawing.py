@@ -17,7 +17,7 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.model.clearance import hand_outline
 from sim.model.planar import rotated
-from sim.model.robot import JOINTS, chain, robot_model
+from sim.model.robot import JOINTS, base_shape, chain, robot_model
 from sim.model.shape import Shape, inner_radius, outline
 from sim.model.target import target_shape
 
@@ -59,7 +59,7 @@ def draw(axes: Axes, config: MissionConfig, tick: Any, path: FloatArray | None =
     if path is not None and len(path) > 1:
         axes.plot(path[::20, 0], path[::20, 1], color=PALE, linewidth=0.8, zorder=1)
     shape = target_shape(config.target)
-    _outline(axes, tick["base_pose"], robot_model(config.robot).base_shape, BASE, alpha=0.28)
+    _outline(axes, tick["base_pose"], base_shape(config.robot.base), BASE, alpha=0.28)
     _outline(axes, tick["target_pose"], shape, INK, alpha=0.16)
     dx, dy = rotated(float(tick["target_pose"][2]), inner_radius(shape), 0.0)
     x, y = tick["target_pose"][:2]

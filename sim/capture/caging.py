@@ -30,6 +30,7 @@ from sim.model.planar import cross, rotated
 from sim.model.robot import JOINTS, RobotModel
 from sim.model.shape import Shape, signed_distance
 from sim.model.target import in_target, target_shape
+from sim.record import packed
 
 _POSITION_STEP = 1.5e-3
 _ANGLE_STEP = math.radians(1.0)
@@ -115,7 +116,7 @@ def cage(config: MissionConfig, hand_pose: FloatArray, target_pose: FloatArray) 
     start = np.array([target_pose[0] - middle[0], target_pose[1] - middle[1], target_pose[2]])
     if max(abs(start[0]), abs(start[1])) >= reach:
         return Cage(caged=False, margin=-math.inf)
-    clearance = _clearance_on_the_way_out(discs, shape, start, reach, step, turns)
+    clearance = _clearance_on_the_way_out(discs, packed(shape)[0], start, reach, step, turns)
     error = step / math.sqrt(2.0) + 0.5 * turn * shape.corner_circle
     margin = -clearance - error
     return Cage(caged=margin > 0.0, margin=margin)

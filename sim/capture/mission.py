@@ -43,9 +43,8 @@ from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_
 from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.method.method import MethodHandle, begin_sequence, decide, enter_phase, method_of
+from sim.model.clearance import shapes_of
 from sim.model.robot import Chain, RobotModel, chain, robot_model
-from sim.model.shape import Shape
-from sim.model.target import target_shape
 from sim.perception.perceived import PERCEIVED, Perceived, perceive
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
@@ -58,7 +57,7 @@ def fly(
     handle: PlantHandle,
     method: MethodHandle,
     robot: RobotModel,
-    shape: Shape,
+    shapes: Record,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -73,7 +72,7 @@ def fly(
 
     """
     for place in range(rows.shape[0]):
-        over = _decide(method, robot, shape, parameters, memory, monitor, state, known, rows[place])
+        over = _decide(method, robot, shapes, parameters, memory, monitor, state, known, rows[place])
         if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
             return place + 1, False
         if over:
@@ -85,7 +84,7 @@ def fly(
 def _decide(
     method: MethodHandle,
     robot: RobotModel,
-    shape: Shape,
+    shapes: Record,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -96,12 +95,12 @@ def _decide(
     """Watch a state, command joint rates from what is known of it, write a row of `TICK`; whether a verdict fell."""
     before = monitor.verdict
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
-    watch(monitor, memory, parameters, robot, shape, state, links)
+    watch(monitor, memory, parameters, robot, shapes, state, links)
     over = bool(monitor.verdict != before)
     verdict = monitor.verdict if over else Verdict.NONE
     belief = known[0]
     believed = perceive(belief, parameters, robot, state, links)
-    belief.closed = tips_enclose(robot, shape, believed.hand_pose, belief.target_pose)
+    belief.closed = tips_enclose(robot, shapes.target, believed.hand_pose, belief.target_pose)
     decide(method, memory, parameters, robot, belief, believed, verdict)
     _write(row, memory, monitor, state, links, belief)
     return over
@@ -111,7 +110,7 @@ def _decide(
 def follow(
     method: MethodHandle,
     robot: RobotModel,
-    shape: Shape,
+    shapes: Record,
     parameters: Record,
     memory: Record,
     monitor: Record,
@@ -128,7 +127,7 @@ def follow(
     """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
-        if _decide(method, robot, shape, parameters, memory, monitor, state, known, rows[place]):
+        if _decide(method, robot, shapes, parameters, memory, monitor, state, known, rows[place]):
             return place + 1
     return len(recorded)
 
@@ -219,7 +218,7 @@ class Mission:
             require_clear_start(config)
         self.config = config
         self._plant = simulated_plant(config) if plant is None else plant
-        self._robot, self._shape = robot_model(config.robot), target_shape(config.target)
+        self._robot, self._shapes = robot_model(config.robot), shapes_of(config)
         self._parameters: Record = record_of(config)
         self._fault: PlantError | None = None
         self.method = method_of(config)
@@ -335,7 +334,7 @@ class Mission:
             plant.handle,
             self._method_handle,
             self._robot,
-            self._shape,
+            self._shapes,
             self._parameters,
             self._memory,
             self._monitor,
@@ -356,7 +355,7 @@ class Mission:
                 over = _decide(
                     self._method_handle,
                     self._robot,
-                    self._shape,
+                    self._shapes,
                     self._parameters,
                     self._memory,
                     self._monitor,
@@ -384,7 +383,7 @@ class Mission:
             followed = follow(
                 self._method_handle,
                 self._robot,
-                self._shape,
+                self._shapes,
                 self._parameters,
                 self._memory,
                 self._monitor,
@@ -486,7 +485,7 @@ class Mission:
         rows = np.zeros(1, TICK)
         state, robot = self._plant.state, self._robot
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        watch(self._monitor, self._memory, self._parameters, robot, self._shape, state, links)
+        watch(self._monitor, self._memory, self._parameters, robot, self._shapes, state, links)
         belief = self._known[0]
         perceive(belief, self._parameters, robot, state, links)
         belief["closed"] = self._monitor["closed"]

@@ -19,7 +19,6 @@ from sim.control.trajectory import plan_end
 from sim.model.clearance import corners_overlap
 from sim.model.generalized_jacobian import manipulability
 from sim.model.robot import Chain, RobotModel, arm_jacobian
-from sim.model.shape import Shape
 from sim.record import Record
 from sim.snapshot import Outcome, OutcomeClass, Touch
 
@@ -77,13 +76,13 @@ def watch(
     memory: Record,
     parameters: Record,
     robot: RobotModel,
-    shape: Shape,
+    shapes: Record,
     state: Record,
     links: Chain,
 ) -> None:
     """Note what this tick shows, before the controller acts on it."""
-    monitor.closed = tips_enclose(robot, shape, links.hand_pose, state.target_pose)
-    monitor.base_overlap = overlaps_base(robot, shape, state)
+    monitor.closed = tips_enclose(robot, shapes.target, links.hand_pose, state.target_pose)
+    monitor.base_overlap = overlaps_base(shapes, state)
     for arm in range(2):
         monitor.manipulability[arm] = manipulability(arm_jacobian(links, arm))
     if math.isnan(monitor.begun_at) or monitor.verdict != Verdict.NONE:
@@ -136,9 +135,11 @@ def _target_is_slow(parameters: Record, state: Record) -> bool:
 
 
 @compiled
-def overlaps_base(robot: RobotModel, shape: Shape, state: Record) -> bool:
+def overlaps_base(shapes: Record, state: Record) -> bool:
     """Whether the target and the base overlap by a corner, or touch as solids."""
-    return bool(state.base_contact > 0 or corners_overlap(shape, state.target_pose, robot.base_shape, state.base_pose))
+    return bool(
+        state.base_contact > 0 or corners_overlap(shapes.target, state.target_pose, shapes.base, state.base_pose)
+    )
 
 
 @compiled

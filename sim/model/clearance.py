@@ -4,17 +4,31 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
 from sim.config import ArmConfig, MissionConfig
 from sim.model.planar import rotated
-from sim.model.robot import JOINTS, RobotModel, chain, initial_joint_angles, robot_model
+from sim.model.robot import JOINTS, base_shape, chain, initial_joint_angles, robot_model
 from sim.model.shape import Shape, signed_distance
 from sim.model.target import in_target, target_shape
+from sim.record import Record, packed
 
 _SAMPLES = 41  # along a link, for the check before a start: every few millimetres
+
+
+class Shapes(NamedTuple):
+    """What may overlap by a corner; compiled code reads it as a record."""
+
+    base: Shape
+    target: Shape
+
+
+def shapes_of(config: MissionConfig) -> Record:
+    """The `Shapes` of a configuration, packed: compiled code hands a record on as one address, five times as fast."""
+    return packed(Shapes(base_shape(config.robot.base), target_shape(config.target)))[0]
 
 
 @compiled
@@ -48,12 +62,6 @@ def corners_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: Fl
     )
 
 
-def geometric_base_pose(config: MissionConfig, base_pose: FloatArray) -> FloatArray:
-    """Pose of the base's rectangle from that of its centre of mass, shape (3,) [m, rad]."""
-    dx, dy = rotated(float(base_pose[2]), 0.0, -config.robot.base.centre_of_mass_ahead)
-    return np.array([base_pose[0] + dx, base_pose[1] + dy, base_pose[2]])
-
-
 def initial_base_pose(config: MissionConfig) -> FloatArray:
     """Pose of the base's centre of mass at the start, shape (3,): its rectangle is centred on the world's origin."""
     return np.array([0.0, config.robot.base.centre_of_mass_ahead, 0.0])
@@ -72,21 +80,16 @@ def hand_outline(arm: ArmConfig) -> FloatArray:
 
 def initial_overlap(config: MissionConfig) -> tuple[str, float] | None:
     """The part of the robot that the target overlaps most at the start and how deep [m], or None."""
-    pose, shape, robot = initial_target_pose(config), target_shape(config.target), robot_model(config.robot)
-    depths = dict(_hand_and_link_depths(config, robot, pose, shape))
-    base_pose = initial_base_pose(config)
-    depths["base"] = max(
-        corner_overlap(shape, pose, robot.base_shape, base_pose),
-        corner_overlap(robot.base_shape, base_pose, shape, pose),
-    )
+    pose, base_pose, shapes = initial_target_pose(config), initial_base_pose(config), shapes_of(config)
+    base, target = shapes["base"], shapes["target"]
+    depths = dict(_hand_and_link_depths(config, pose, target))
+    depths["base"] = max(corner_overlap(target, pose, base, base_pose), corner_overlap(base, base_pose, target, pose))
     part = max(depths, key=lambda name: depths[name])
     return (part, depths[part]) if depths[part] > 0.0 else None
 
 
-def _hand_and_link_depths(
-    config: MissionConfig, robot: RobotModel, target_pose: FloatArray, shape: Shape
-) -> list[tuple[str, float]]:
-    arm_config = config.robot.arm
+def _hand_and_link_depths(config: MissionConfig, target_pose: FloatArray, shape: Shape) -> list[tuple[str, float]]:
+    arm_config, robot = config.robot.arm, robot_model(config.robot)
     links = chain(robot, initial_base_pose(config), initial_joint_angles(arm_config), np.zeros(2))
     depths = []
     for arm, side in enumerate(("left", "right")):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
-from sim.config import ArmConfig, RobotConfig
+from sim.config import ArmConfig, BaseConfig, RobotConfig
 from sim.model.planar import rotated
 from sim.model.shape import Shape, rectangle
 
@@ -23,8 +23,6 @@ class RobotModel(NamedTuple):
 
     base_mass: float
     base_inertia: float
-    base_shape: Shape
-    """Its rectangle, about its centre of mass."""
     shoulder_in_base: FloatArray
     """Joint 1 of each arm from the base's centre of mass, base axes [m], shape (2, 2)."""
     link_length: FloatArray
@@ -73,7 +71,6 @@ def robot_model(config: RobotConfig) -> RobotModel:
     return RobotModel(
         base_mass=base.mass,
         base_inertia=base.inertia,
-        base_shape=rectangle(base.width, base.depth, base.centre_of_mass_ahead),
         shoulder_in_base=np.array([[-base.width / 2, shoulder_y], [base.width / 2, shoulder_y]]),
         link_length=np.array([*(link.length for link in links), hand.centre_offset]),
         link_centre=np.array([link.centre_of_mass for link in (*links, hand)]),
@@ -82,6 +79,11 @@ def robot_model(config: RobotConfig) -> RobotModel:
         tip_offset=hand.tip_offset,
         tip_radius=hand.tip_radius,
     )
+
+
+def base_shape(config: BaseConfig) -> Shape:
+    """The rectangle of a configured base, about its centre of mass."""
+    return rectangle(config.width, config.depth, config.centre_of_mass_ahead)
 
 
 @compiled

@@ -77,7 +77,7 @@ def polygon(vertices: FloatArray, rounding: float = 0.0) -> Shape:
         vertices=_with_room(corners),
         normals=_with_room(normals),
         offsets=_with_room(offsets),
-        rounding=rounding,
+        rounding=float(rounding),
         corner_circle=size + rounding,
         symmetry_angle=symmetry,
         is_square=count == 4 and rounding == 0.0 and symmetry == 0.5 * math.pi,

@@ -25,6 +25,7 @@ from sim.model.robot import (
     JOINTS,
     LINKS,
     RobotModel,
+    base_shape,
     chain,
     freedom,
     inertia_matrix,
@@ -33,7 +34,7 @@ from sim.model.robot import (
     tip_position,
 )
 from sim.model.shape import Shape
-from sim.model.target import TargetModel, target_model, target_shape
+from sim.model.target import target_shape
 from sim.plant.chipmunk import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -52,7 +53,7 @@ from sim.plant.chipmunk import (
 )
 from sim.plant.contact import tip_contact
 from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
-from sim.record import Record, code_of, record_of
+from sim.record import Record, code_of, packed, record_of
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -85,7 +86,8 @@ class PymunkHandle(NamedTuple):
     solid: IntArray
     """Solid contacts of the target now: with the base, with an arm; shape (2,), kept by pymunk's callbacks."""
     robot: RobotModel
-    target: TargetModel
+    target_shape: np.ndarray[Any, np.dtype[Any]]
+    """A `Shape`, packed, shape (1,)."""
     masses: FloatArray
     inertias: FloatArray
     pose: FloatArray
@@ -105,7 +107,7 @@ class PymunkPlant:
         """Robot and target as configured, floating free or on an air table."""
         self.parameters: Record = record_of(config)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
-        robot, target = robot_model(config.robot), target_model(config.target)
+        robot = robot_model(config.robot)
         self._space = _space(config, table or AirTable())
         self._bodies = _bodies(config, robot)
         self._motors = _joints(config, robot, self._bodies)
@@ -121,7 +123,7 @@ class PymunkPlant:
             motors=np.array([address(motor._constraint) for _, motor in self._motors]),
             solid=solid,
             robot=robot,
-            target=target,
+            target_shape=packed(target_shape(config.target)),
             masses=np.array([body.mass for body in self._bodies]),
             inertias=np.array([body.moment for body in self._bodies]),
             pose=np.zeros((BODIES, 3)),
@@ -223,7 +225,7 @@ def _joints(
 def _shapes(config: MissionConfig, robot: RobotModel, bodies: list[pymunk.Body]) -> list[pymunk.Shape]:
     """Solid shapes: the target, and what of the robot it may strike besides the tips."""
     arm = config.robot.arm
-    shapes = [_solid(_outline(bodies[0], robot.base_shape), _BASE_TYPE)]
+    shapes = [_solid(_outline(bodies[0], base_shape(config.robot.base)), _BASE_TYPE)]
     for side in range(2):
         for link in range(JOINTS):
             start = (arm.shoulder_clearance if link == 0 else 0.0) - float(robot.link_centre[link])
@@ -336,7 +338,7 @@ def _tip_forces(handle: PymunkHandle, parameters: Record, state: Record) -> bool
         for tip in range(2):
             x, y = tip_position(handle.robot, hand, tip)
             contact = tip_contact(
-                parameters.contact, handle.target.shape, handle.robot.tip_radius,
+                parameters.contact, handle.target_shape[0], handle.robot.tip_radius,
                 x, y, pose[body], twist[body], pose[TARGET], twist[TARGET],
             )  # fmt: skip
             state.tip_contact[arm, tip] = contact.touching

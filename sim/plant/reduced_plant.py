@@ -24,8 +24,8 @@ from sim.config import HandMount, MissionConfig
 from sim.errors import PlantDiverged
 from sim.model.clearance import initial_base_pose, initial_target_pose
 from sim.model.planar import cross, point_velocity, rotated
-from sim.model.robot import JOINTS, LINKS, RobotModel, initial_joint_angles, robot_model
-from sim.model.shape import surface
+from sim.model.robot import JOINTS, LINKS, RobotModel, base_shape, initial_joint_angles, robot_model
+from sim.model.shape import Shape, surface
 from sim.model.target import TargetModel, in_target, target_model
 from sim.plant.contact import contact_force, tip_contact
 from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
@@ -105,6 +105,7 @@ class Fixed(NamedTuple):
 
     robot: RobotModel
     total_mass: float
+    base_shape: Shape
     target: TargetModel
     solids: Solids
     servo: Servo
@@ -194,7 +195,15 @@ class ReducedPlant:
 
 def _fixed(config: MissionConfig, table: AirTable) -> Fixed:
     robot, target = robot_model(config.robot), target_model(config.target)
-    return Fixed(robot, robot.total_mass, target, solids(config, robot, target), _servo(config, robot), table)
+    return Fixed(
+        robot=robot,
+        total_mass=robot.total_mass,
+        base_shape=base_shape(config.robot.base),
+        target=target,
+        solids=solids(config, robot, target),
+        servo=_servo(config, robot),
+        table=table,
+    )
 
 
 def _plant_record(fixed: Fixed) -> StateArray:
@@ -668,7 +677,7 @@ def _corner(shape: Record, pose: FloatArray, corner: int) -> tuple[float, float]
 def _touch_base(plant: Record, parameters: Record, state: Record) -> int:
     """Contact of the base: its corners in the target and the target's in it; 1 if any."""
     plant.scratch.point[0, :] = state.base_pose
-    base, target = plant.robot.base_shape, plant.target.shape
+    base, target = plant.base_shape, plant.target.shape
     pushing = _press_corners(plant, parameters, base, state.base_pose, target, plant.own.target_pose, 1.0)
     pushed = _press_corners(plant, parameters, target, plant.own.target_pose, base, state.base_pose, -1.0)
     return max(pushing, pushed)

@@ -20,7 +20,7 @@ from sim.model.planar import rotated
 from sim.model.shape import Shape
 from sim.model.target import in_target, target_shape
 from sim.plant.contact import tip_contact
-from sim.record import Record, record_of
+from sim.record import Record, packed, record_of
 
 _STEP = 2e-5  # of the planar model [s]: sticking friction on a hand of 0.01 kg settles within some 3e-5 s
 
@@ -123,7 +123,7 @@ def planar_touch(config: MissionConfig, state: TouchState) -> Residual:
     transition = admittance_transition(config.published.impedance, _STEP)
     spin, drift, duration = _integrate(
         record_of(config),
-        target_shape(config.target),
+        packed(target_shape(config.target))[0],
         transition,
         touch.admittance_fraction * touch.absorb_time,
         _STEP,

@@ -23,15 +23,14 @@ from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.memory import MEMORY
 from sim.control.phases import Phase, Sequence, Verdict
-from sim.model.clearance import initial_base_pose
+from sim.model.clearance import initial_base_pose, shapes_of
 from sim.model.robot import chain, initial_joint_angles, robot_model
-from sim.model.target import target_shape
 from sim.plant.plant import PLANT_STATE
 from sim.record import record_of
 from sim.snapshot import Outcome, OutcomeClass
 
 CONFIG = MissionConfig()
-ROBOT, SHAPE = robot_model(CONFIG.robot), target_shape(CONFIG.target)
+ROBOT, SHAPES = robot_model(CONFIG.robot), shapes_of(CONFIG)
 GAP = CONFIG.judging.touch_gap
 CAGED, FREE = Cage(caged=True, margin=0.006), Cage(caged=False, margin=-0.01)
 
@@ -59,7 +58,7 @@ class Bench:
         for name, value in state.items():
             self.state[name] = value
         links = chain(ROBOT, self.state["base_pose"], self.state["joint_angle"], self.state["mount_angle"])
-        watch(self.monitor, self.memory, self.parameters, ROBOT, SHAPE, self.state, links)
+        watch(self.monitor, self.memory, self.parameters, ROBOT, SHAPES, self.state, links)
 
     def close_the_hands(self) -> None:
         """Put the target, a corner in each hand, between hands that have closed on it."""
@@ -314,4 +313,4 @@ class TestOutcome:
 def test_overlap_with_the_base(pose, overlap):
     bench = Bench()
     bench.state["target_pose"] = pose
-    assert overlaps_base(ROBOT, SHAPE, bench.state) == overlap
+    assert overlaps_base(SHAPES, bench.state) == overlap

@@ -9,8 +9,8 @@ import pytest
 
 from sim.config import MissionConfig, RobotConfig
 from sim.configurations import nested, revised
-from sim.model.clearance import geometric_base_pose, initial_base_pose
-from sim.model.robot import FREEDOMS, chain, freedom, initial_joint_angles, robot_model, tip_position
+from sim.model.clearance import initial_base_pose
+from sim.model.robot import FREEDOMS, base_shape, chain, freedom, initial_joint_angles, robot_model, tip_position
 
 CONFIG = RobotConfig()
 ROBOT = robot_model(CONFIG)
@@ -47,7 +47,11 @@ def test_hands_start_where_the_document_says_palms_facing():
 
 def test_base_starts_with_its_rectangle_on_the_origin():
     config = MissionConfig()
-    assert geometric_base_pose(config, initial_base_pose(config)) == pytest.approx([0.0, 0.0, 0.0])
+    x, y, angle = initial_base_pose(config)
+    corners = base_shape(config.robot.base).vertices[:4] + np.array([x, y])
+    assert angle == 0.0
+    assert corners.mean(axis=0) == pytest.approx([0.0, 0.0])
+    assert np.ptp(corners, axis=0) == pytest.approx([0.32, 0.16])
 
 
 def test_arms_mirror_each_other_at_the_start():
