@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.capture.caging import Cage, cage, tips_enclose
+from sim.capture.caging import Cage, cage
 from sim.capture.events import (
     Event,
     Ticks,
@@ -31,150 +31,23 @@ from sim.capture.monitor import (
     touches_of,
     watch,
 )
-from sim.capture.narration import description, readiness
-from sim.capture.stages import Visit, stages, visits_after
-from sim.capture.tick import ARMS, TICK
-from sim.compiled import FloatArray, compiled
+from sim.capture.snapshots import Flown, snapshot_of
+from sim.capture.stages import Visit, visits_after
+from sim.capture.tick import TICK
+from sim.capture.tick_loop import control_tick, fly, follow, recall, write_tick
 from sim.config import Engine, MissionConfig, differences, is_live
 from sim.configurations import require_clear_start, require_shape_for_method, revised
-from sim.control.hand_motion import hand_twists
-from sim.control.memory import MEMORY, NO_PLAN
+from sim.control.memory import MEMORY
 from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
-from sim.control.trajectory import BOTH_ARMS
 from sim.errors import MissionRefused, PlantDiverged, PlantError
-from sim.method.method import MethodHandle, begin_sequence, decide, enter_phase, method_of
+from sim.method.method import begin_sequence, enter_phase, method_of
 from sim.model.clearance import shapes_of
-from sim.model.robot import Chain, RobotModel, chain, robot_model
+from sim.model.robot import chain, robot_model
 from sim.perception.perceived import PERCEIVED, Perceived, perceive
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import PLANT_STATE, Plant, PlantHandle, advance_plant, diverged_at
+from sim.plant.plant import PLANT_STATE, Plant, diverged_at
 from sim.record import Record, record_of
-from sim.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Touch, Vector3
-
-
-@compiled
-def fly(
-    handle: PlantHandle,
-    method: MethodHandle,
-    robot: RobotModel,
-    shapes: Record,
-    parameters: Record,
-    memory: Record,
-    monitor: Record,
-    state: Record,
-    known: Perceived,
-    rows: Ticks,
-) -> tuple[int, bool]:
-    """Fly as many ticks as there are rows of `TICK`, which are filled; stops after the tick of a verdict.
-
-    Returns:
-        How many ticks were flown, and whether the plant's state is still finite.
-
-    """
-    for place in range(rows.shape[0]):
-        over = _decide(method, robot, shapes, parameters, memory, monitor, state, known, rows[place])
-        if not advance_plant(handle, parameters, memory.commanded_joint_rate, state):
-            return place + 1, False
-        if over:
-            return place + 1, True
-    return rows.shape[0], True
-
-
-@compiled
-def _decide(
-    method: MethodHandle,
-    robot: RobotModel,
-    shapes: Record,
-    parameters: Record,
-    memory: Record,
-    monitor: Record,
-    state: Record,
-    known: Perceived,
-    row: Record,
-) -> bool:
-    """Watch a state, command joint rates from what is known of it, write a row of `TICK`; whether a verdict fell."""
-    before = monitor.verdict
-    links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
-    watch(monitor, memory, parameters, robot, shapes, state, links)
-    over = bool(monitor.verdict != before)
-    verdict = monitor.verdict if over else Verdict.NONE
-    belief = known[0]
-    believed = perceive(belief, parameters, robot, state, links)
-    belief.closed = tips_enclose(robot, shapes.target, believed.hand_pose, belief.target_pose)
-    decide(method, memory, parameters, robot, belief, believed, verdict)
-    _write(row, memory, monitor, state, links, belief)
-    return over
-
-
-@compiled
-def follow(
-    method: MethodHandle,
-    robot: RobotModel,
-    shapes: Record,
-    parameters: Record,
-    memory: Record,
-    monitor: Record,
-    state: Record,
-    known: Perceived,
-    recorded: Ticks,
-    rows: Ticks,
-) -> int:
-    """Judge recorded states, rows of `TICK`, and command joint rates from them; `rows` are filled.
-
-    Returns:
-        How many ticks were followed; it stops after the tick of a verdict.
-
-    """
-    for place in range(recorded.shape[0]):
-        recall(recorded[place], state)
-        if _decide(method, robot, shapes, parameters, memory, monitor, state, known, rows[place]):
-            return place + 1
-    return len(recorded)
-
-
-@compiled
-def recall(row: Record, state: Record) -> None:
-    """The plant's state, one element of `PLANT_STATE`, from the tick that it was recorded in."""
-    state.tick, state.time = row.tick, row.time
-    state.base_pose[:], state.base_twist[:] = row.base_pose, row.base_twist
-    state.target_pose[:], state.target_twist[:] = row.target_pose, row.target_twist
-    state.joint_angle[:], state.joint_rate[:] = row.joint_angle, row.joint_rate
-    state.mount_angle[:], state.mount_rate[:] = row.mount_angle, row.mount_rate
-    state.hand_wrench[:], state.tip_force[:] = row.hand_wrench, row.tip_force
-    for arm in range(2):
-        for tip in range(2):
-            state.tip_contact[arm, tip] = row.tip_contact[arm, tip]
-    state.base_contact, state.arm_contact = row.base_contact, row.solid_contact
-    state.momentum[:] = row.momentum
-
-
-@compiled
-def _write(row: Record, memory: Record, monitor: Record, state: Record, links: Chain, belief: Record) -> None:
-    """One tick as it is recorded: the state it began with, what was known of it and what was commanded from that."""
-    row.tick, row.time = state.tick, state.time
-    row.phase, row.activity, row.plan = memory.phase, memory.activity, memory.plan_count
-    row.closed, row.perceived_closed, row.rate_limited = monitor.closed, belief.closed, memory.rate_limited
-    row.base_overlap, row.solid_contact = monitor.base_overlap, state.arm_contact > 0
-    row.base_contact = state.base_contact
-    row.base_pose[:], row.base_twist[:] = state.base_pose, state.base_twist
-    row.target_pose[:], row.target_twist[:] = state.target_pose, state.target_twist
-    row.joint_angle[:], row.joint_rate[:] = state.joint_angle, state.joint_rate
-    row.commanded_joint_rate[:] = memory.commanded_joint_rate
-    row.hand_pose[:] = links.hand_pose
-    row.mount_angle[:], row.mount_rate[:] = state.mount_angle, state.mount_rate
-    row.hand_twist[:] = hand_twists(state, links)
-    row.desired_hand_pose[:], row.desired_hand_twist[:] = memory.desired_hand_pose, memory.desired_hand_twist
-    row.hand_wrench[:], row.tip_force[:] = state.hand_wrench, state.tip_force
-    for arm in range(2):
-        for tip in range(2):
-            row.tip_contact[arm, tip] = state.tip_contact[arm, tip] != 0
-    row.base_perceived_pose[:], row.base_perceived_twist[:] = belief.base_pose, belief.base_twist
-    row.target_perceived_pose[:], row.target_perceived_twist[:] = belief.target_pose, belief.target_twist
-    row.perceived_hand_wrench[:] = belief.hand_wrench
-    for arm in range(2):
-        row.perceived_contact[arm] = belief.touching[arm] != 0
-    row.manipulability[:] = monitor.manipulability
-    row.momentum[:] = state.momentum
+from sim.snapshot import Outcome, Snapshot, Touch
 
 
 def prepare(engine: Engine = Engine.PYMUNK) -> None:
@@ -352,7 +225,7 @@ class Mission:
         for place in range(len(rows)):
             try:
                 plant.observe()
-                over = _decide(
+                over = control_tick(
                     self._method_handle,
                     self._robot,
                     self._shapes,
@@ -447,34 +320,9 @@ class Mission:
             phase: what the mission is in by now, if the last tick does not show it yet.
 
         """
-        row, monitor = self._last[-1], self._monitor
-        phase = Phase(int(row["phase"])) if phase is None else phase
-        touches = touches_of(monitor)
-        plan = self._plan()
-        return Snapshot(
-            tick=int(row["tick"]),
-            time=float(row["time"]),
-            method=self.config.method.value,
-            phase=phase.label,
-            activity=self.method.activities(int(row["activity"])).name.lower(),
-            description=description(row, self.config, phase, plan, touches, self._outcome),
-            base=BodyState(pose=_vector(row["base_pose"]), twist=_vector(row["base_twist"])),
-            target=BodyState(pose=_vector(row["target_pose"]), twist=_vector(row["target_twist"])),
-            left=_arm_state(row, 0),
-            right=_arm_state(row, 1),
-            spin=float(row["target_twist"][2]),
-            spin_threshold=self.method.spin_threshold(self.config),
-            drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
-            cage_closed=bool(row["closed"]),
-            cage_margin=self._outcome.cage_margin if self._outcome and self.phase is Phase.HOLDING else None,
-            peak_tip_force=float(monitor["peak"]),
-            momentum=_vector(row["momentum"]),
-            contacts=touches,
-            plan=plan,
-            readiness=readiness(row, self.config, phase, self._outcome),
-            stages=stages(self._visits, phase, self._outcome),
-            outcome=self._outcome,
-        )
+        row = self._last[-1]
+        flown = Flown(self.config, row, self._monitor, self._memory, self._visits, self._outcome)
+        return snapshot_of(flown, Phase(int(row["phase"])) if phase is None else phase, self.phase)
 
     def _adopt(self, config: MissionConfig) -> None:
         self._parameters = record_of(config)
@@ -489,7 +337,7 @@ class Mission:
         belief = self._known[0]
         perceive(belief, self._parameters, robot, state, links)
         belief["closed"] = self._monitor["closed"]
-        _write(rows[0], self._memory, self._monitor, state, links, belief)
+        write_tick(rows[0], self._memory, self._monitor, state, links, belief)
         return rows
 
     def _announce(self, rows: Ticks) -> None:
@@ -519,44 +367,3 @@ class Mission:
         if not math.isnan(instant) and field not in self._announced:
             self._announced.add(field)
             self._events.append(event(instant, self.config.control.period))
-
-    def _plan(self) -> Plan | None:
-        memory = self._memory
-        if memory["plan_kind"] == NO_PLAN or self.phase not in (Phase.DETUMBLING, Phase.CAGING, Phase.RELEASED):
-            return None
-        knots, arm = int(memory["plan_knots"]), int(memory["plan_arm"])
-        poses = [
-            [_vector(pose) for pose in memory["plan_pose"][side, :knots]] if arm in (BOTH_ARMS, side) else []
-            for side in range(2)
-        ]
-        return Plan(
-            kind=self.method.plan_kinds(int(memory["plan_kind"])).name.lower(),
-            times=[float(time) for time in memory["plan_time"][:knots]],
-            left=poses[0],
-            right=poses[1],
-            target_at_end=_vector(memory["predicted_target"]),
-        )
-
-
-def _vector(values: FloatArray) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-def _arm_state(row: Any, arm: int) -> ArmState:
-    assert arm < len(ARMS)
-    (ax, ay), (bx, by) = row["tip_force"][arm].tolist()
-    return ArmState(
-        joint_angle=_vector(row["joint_angle"][arm]),
-        joint_rate=_vector(row["joint_rate"][arm]),
-        commanded_joint_rate=_vector(row["commanded_joint_rate"][arm]),
-        mount_angle=float(row["mount_angle"][arm]),
-        hand_pose=_vector(row["hand_pose"][arm]),
-        hand_twist=_vector(row["hand_twist"][arm]),
-        desired_hand_pose=_vector(row["desired_hand_pose"][arm]),
-        desired_hand_twist=_vector(row["desired_hand_twist"][arm]),
-        hand_wrench=_vector(row["hand_wrench"][arm]),
-        tip_force=((ax, ay), (bx, by)),
-        in_contact=bool(row["hand_wrench"][arm].any()),
-        manipulability=float(row["manipulability"][arm]),
-    )

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.capture.mission import Mission, recall
+from sim.capture.mission import Mission
 from sim.capture.tick import TICK
+from sim.capture.tick_loop import recall
 from sim.config import Engine, MissionConfig
 from sim.configurations import revised
 from sim.control.phases import Command, Phase
