@@ -56,6 +56,7 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; nothing to do the next time
 	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
 	$(BIN)/python -c "from server.library.replay_session import prepare_replay; prepare_replay()"
+	$(BIN)/python -c "from server.link.robot_link import RobotLink as link; from sim.configurations import named_configuration as named; link.warm_up(named('testbed'))"
 
 client: .venv/dev.stamp ## write web/openapi.json from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py

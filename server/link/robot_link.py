@@ -26,7 +26,7 @@ from server.link.reception import PING_PERIOD, Expectations, Reception, topic_of
 from server.link.reports import parse_count
 from server.link.session import LinkSession, Transport
 from server.link.trouble import Trouble
-from server.link.wire import JointCommand, JointSample, RobotCall, StatusReport
+from server.link.wire import JointCommand, JointSample, PlaneSample, RobotCall, StatusReport
 from server.process.realtime import realtime_priority
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
@@ -113,8 +113,15 @@ class RobotLink:
         """
         importlib.import_module("scipy.stats")
         plant = simulated_plant(config)
-        joints = JointSample(0, plant.state["joint_angle"], plant.state["joint_rate"])
-        Perception(config, 1.0).write_state(joints, plant.state)
+        state = plant.state
+        joints = JointSample(0, state["joint_angle"], state["joint_rate"])
+        perception = Perception(config, 1.0)
+        for stamp in (0, 1):
+            perception.take_wrench(0, PlaneSample(stamp, HAND_FRAMES[0], np.zeros(3)))
+            perception.take_base(PlaneSample(stamp, WORLD, state["base_pose"].copy()))
+            perception.take_target(PlaneSample(stamp, WORLD, state["target_pose"].copy()))
+            perception.take_joints(joints)
+        perception.write_state(joints, plant.state)
         mission = Mission(config, ScriptedPlant(np.array([plant.state, plant.state])))
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
