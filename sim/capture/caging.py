@@ -29,7 +29,7 @@ from sim.model.clearance import hand_outline
 from sim.model.planar import cross, rotated
 from sim.model.robot import JOINTS, RobotModel
 from sim.model.shape import Shape, signed_distance
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 from sim.record import packed
 
 _POSITION_STEP = 1.5e-3
@@ -91,12 +91,14 @@ def _way_around(robot: RobotModel, hand_pose: FloatArray, target_pose: FloatArra
     """
     way = np.empty((8, 2))
     half, depth = robot.tip_offset, robot.link_length[JOINTS]
+    cosine, sine = math.cos(target_pose[2]), math.sin(target_pose[2])
     for arm in range(2):
+        c, s = math.cos(hand_pose[arm, 2]), math.sin(hand_pose[arm, 2])
         for place in range(4):
-            dx, dy = rotated(hand_pose[arm, 2], half if place > 1 else -half, 0.0 if place in {0, 3} else -depth)
-            way[4 * arm + place, 0], way[4 * arm + place, 1] = in_target(
-                target_pose, hand_pose[arm, 0] + dx, hand_pose[arm, 1] + dy
-            )
+            x, y = half if place > 1 else -half, 0.0 if place in {0, 3} else -depth
+            dx = hand_pose[arm, 0] + (c * x - s * y) - target_pose[0]
+            dy = hand_pose[arm, 1] + (s * x + c * y) - target_pose[1]
+            way[4 * arm + place, 0], way[4 * arm + place, 1] = cosine * dx + sine * dy, -sine * dx + cosine * dy
     return way
 
 

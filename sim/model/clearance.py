@@ -57,6 +57,9 @@ def corner_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: Flo
 @compiled
 def corners_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: FloatArray) -> bool:
     """Whether a corner of one of two shapes lies in the other; poses of their frames, shape (3,) [m, rad]."""
+    x, y = in_target(other_pose, pose[0], pose[1])
+    if signed_distance(other, x, y) > shape.corner_circle:
+        return False
     return bool(
         corner_overlap(shape, pose, other, other_pose) >= 0.0 or corner_overlap(other, other_pose, shape, pose) >= 0.0
     )
