@@ -70,8 +70,9 @@ async def playback(websocket: WebSocket, services: ServicesDep, run_id: RunId) -
         await websocket.close(code, str(refusal)[:100])
         return
     try:
-        await websocket.send_text(_opened(key, session.opened))
-        await _Connection(websocket, replay_sessions, session).serve()
+        with contextlib.suppress(WebSocketDisconnect):  # the client may have left while the run was read
+            await websocket.send_text(_opened(key, session.opened))
+            await _Connection(websocket, replay_sessions, session).serve()
     finally:
         replay_sessions.close(key)
 
