@@ -116,7 +116,7 @@ async def test_a_sample_has_confidence_intervals(console):
 
 async def test_changes_hold_for_all_cells(console):
     study = await started(console, GRID, changes={"contact": {"friction": 0.1}})
-    assert study["definition"]["changes"] == {"contact.friction": 0.1}
+    assert study["definition"]["changes"] == {"contact.friction": 0.1, "simulation.engine": "reduced"}
 
 
 async def test_cancelled_and_gone_on_with(console):

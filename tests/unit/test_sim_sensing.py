@@ -63,7 +63,7 @@ def _sensed(state, ticks=2000):
         known = state.copy()
         add_noise(noise, 5, known)
         kept.append(known)
-    fields = [name for name in PERCEIVED.names if name != "tick"]
+    fields = [name for name in PERCEIVED.names if name not in ("tick", "cameras")]
     return {name: np.array([np.ravel(row[name] - state[name]) for row in kept], float) for name in fields}
 
 
