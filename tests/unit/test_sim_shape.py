@@ -93,6 +93,7 @@ def test_distance_is_that_of_brute_force(shape, x, y):
 @compiling
 @given(coordinates, coordinates)
 def test_normal_is_the_slope_of_the_distance(shape, x, y):
+    assume(np.hypot(*(shape.vertices[: shape.corners] - (x, y)).T).min() > 1e-9)  # a corner has no one normal
     distance, nx, ny = surface(shape, x, y)
     step = 1e-7
     assert math.hypot(nx, ny) == pytest.approx(1.0)
