@@ -10,7 +10,7 @@ from server.access.cookie import SessionCookie
 from server.access.guard import Access
 from server.access.tokens import TokenStore
 from server.link.robot_link import LinkSettings, RobotLink
-from server.link.zenoh_plant import require_link_period
+from server.link.zenoh_plant import require_robot_config
 from server.settings import Settings
 from server.studies.cluster import cluster_workers
 from sim.config import MissionConfig
@@ -35,7 +35,7 @@ def link_from_settings(settings: Settings, config: MissionConfig) -> RobotLink |
             "connect = (): plant = 'zenoh' needs to know where the robot is",
             tip="for example --connect tcp/127.0.0.1:7447, after becalm robot --listen tcp/127.0.0.1:7447",
         )
-    require_link_period(config)
+    require_robot_config(config)
     return RobotLink(_link_settings(settings), config)
 
 

@@ -21,7 +21,7 @@ from server.link.robot_link import SETTLING_TIME, RobotLink
 from server.link.trouble import Trouble
 from server.link.wire import JointSample
 from sim.compiled import FloatArray
-from sim.config import MissionConfig
+from sim.config import MissionConfig, differences
 from sim.errors import Cause, ConfigError, LinkLost, MissionRefused
 from sim.plant.plant import PLANT_STATE
 from sim.record import Record
@@ -38,11 +38,11 @@ LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
 
 
-def require_link_period(config: MissionConfig) -> None:
-    """Refuse a control period that is not the link's.
+def require_robot_config(config: MissionConfig) -> None:
+    """Refuse what no robot can be flown with: another control period than the link's, or simulated sensors.
 
     Raises:
-        ConfigError: it is not.
+        ConfigError: the message names parameter, value and what would be right.
 
     """
     period = 1.0 / CONTROL_RATE
@@ -51,6 +51,12 @@ def require_link_period(config: MissionConfig) -> None:
             f"control.period = {config.control.period:g} s: the robot's joint states come every {period:g} s",
             tip=f"the configuration testbed has it, or set control.period={period:g}",
         )
+    for path, (usual, given) in differences(MissionConfig(), config).items():
+        if path == "perception.source" or path.startswith("perception.noise."):
+            raise ConfigError(
+                f"{path} = {given}: a robot has sensors of its own, and what they give is perceived already",
+                tip=f"set {path}={usual}: it is for the simulation",
+            )
 
 
 class ZenohPlant:
@@ -67,7 +73,7 @@ class ZenohPlant:
             LinkLost: it did not answer.
 
         """
-        require_link_period(config)
+        require_robot_config(config)
         self._link = link
         self._state: Record = np.zeros(1, PLANT_STATE)[0]
         self._state["tick"] = -1

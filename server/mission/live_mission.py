@@ -14,7 +14,7 @@ from server.library.changes import changed_words, display_name
 from server.library.record import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
 from server.link.closing import closing_refusal
-from server.link.zenoh_plant import ZenohPlant
+from server.link.zenoh_plant import ZenohPlant, require_robot_config
 from server.mission.fork import Fork
 from server.mission.inbox import Request
 from server.mission.live_run import LiveRun
@@ -188,8 +188,16 @@ class LiveMission:
             )
 
     def configure(self, config: MissionConfig) -> None:
-        """Fly on with these parameters, from the next tick on."""
+        """Fly on with these parameters, from the next tick on.
+
+        Raises:
+            ConfigError: no robot can be flown with them.
+            MissionRefused: a parameter differs that cannot change while a mission flies.
+
+        """
         changes = differences(self.config, config)
+        if self._robot is not None:
+            require_robot_config(config)
         self._mission.configure(config)
         self._name = display_name(self.configuration, config)
         self._take_events()
