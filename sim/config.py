@@ -30,6 +30,12 @@ def _is_current(version: int) -> int:
 NamesVersion = Annotated[WholeNumber, AfterValidator(_is_current)]
 """Of the parameters' names: the current one; what was stored under others is read by `sim.stored`."""
 
+_PICTURES_UNDER_WAY = 60
+"""Pictures of motion capture that may be on their way at once (`sim.perception.cameras` has room for 64)."""
+
+_TICKS_REMEMBERED = 190
+"""Ticks that motion capture may be behind (`sim.perception.estimators` remembers 200)."""
+
 _MOST_STEPS = 100
 """Physics steps in one tick: what a live mission can still be stopped between."""
 
@@ -624,6 +630,24 @@ class MissionConfig(MethodGroups):
             raise ValueError(
                 f"simulation.time_step = {step:g} s is too long for {words} = {stiffness:g} N/m and {damping:g} N s/m: "
                 f"the reduced plant is stable up to {bound:.3g} s, so take {fraction:.3g} or less"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _pictures_arrive_while_they_are_remembered(self) -> Self:
+        capture, period = self.perception.capture, self.control.period
+        if self.perception.source is not Source.MOTION_CAPTURE:
+            return self
+        if capture.rate * period > 1.0:
+            raise ValueError(
+                f"perception.capture.rate = {capture.rate:g} Hz is more than one picture a tick; "
+                f"take {1.0 / period:g} or less with control.period = {period:g} s"
+            )
+        most = min(_PICTURES_UNDER_WAY / capture.rate, _TICKS_REMEMBERED * period)
+        if capture.delay > most:
+            raise ValueError(
+                f"perception.capture.delay = {capture.delay:g} s: at {capture.rate:g} Hz and control.period = "
+                f"{period:g} s pictures may be at most {most:g} s late"
             )
         return self
 

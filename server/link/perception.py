@@ -21,7 +21,7 @@ from sim.perception.estimators import (
     BASE_DRIFT,
     BODY_ESTIMATE,
     ENOUGH,
-    NEVER,
+    NO_STAMP,
     body_at,
     drift_until,
     forget_body,
@@ -60,7 +60,7 @@ class BodyEstimate:
     def outlying_since(self) -> int | None:
         """Stamp of the first of the outliers that have come in a row [ns]; None if the last picture was none."""
         since = int(self._estimate["outlying_since"])
-        return None if since == NEVER else since
+        return None if since == NO_STAMP else since
 
     def take(self, sample: PlaneSample, *, touched: bool) -> str:
         """Take a pose, unless it is an outlier; why it is one, empty if it is none."""

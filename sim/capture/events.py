@@ -109,7 +109,7 @@ def _flag_events(span: _Span) -> Iterator[Event]:
 
 
 def _spin_events(span: _Span, threshold: float) -> Iterator[Event]:
-    spins = span.values("target_twist")[:, 2]
+    spins = span.values("target_perceived_twist")[:, 2]
     for place in _changes(np.abs(spins) < threshold):
         spin = float(spins[place + 1])
         slow = abs(spin) < threshold

@@ -34,7 +34,7 @@ from sim.capture.monitor import (
 from sim.capture.snapshots import Flown, snapshot_of
 from sim.capture.stages import Visit, visits_after
 from sim.capture.tick import TICK
-from sim.capture.tick_loop import control_tick, fly, follow, recall, write_tick
+from sim.capture.tick_loop import control_tick, fly, follow, know, recall, write_tick
 from sim.config import Engine, MissionConfig, differences, is_live
 from sim.configurations import require_clear_start, require_shape_for_method, revised
 from sim.control.memory import MEMORY
@@ -43,9 +43,9 @@ from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.method.method import begin_sequence, enter_phase, method_of
 from sim.model.clearance import shapes_of
 from sim.model.robot import chain, robot_model
-from sim.perception.perceived import PERCEIVED, Perceived, perceive
+from sim.perception.perceived import PERCEIVED, Perceived
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import PLANT_STATE, Plant, diverged_at
+from sim.plant.plant import Plant, copy_state, diverged_at
 from sim.record import Record, record_of
 from sim.snapshot import Outcome, Snapshot, Touch
 
@@ -148,6 +148,8 @@ class Mission:
 
         """
         phase, sequence = next_phase(self.phase, command, self.method.commands)
+        if self.activity == AT_REST and self.phase not in (Phase.DETUMBLING, Phase.CAGING):
+            self._known[:] = np.zeros(1, PERCEIVED)  # ticks at rest are not recorded, and a replay must know the same
         begin_sequence(self._method_handle, self._memory, int(phase), int(sequence))
         if sequence is not Sequence.NONE:
             begin_monitoring(self._monitor, self.time, self._plant.state["momentum"])
@@ -292,8 +294,7 @@ class Mission:
             self._adopt(mark.config)
         self._memory, self._monitor, self._known = mark.memory.copy(), mark.monitor.copy(), mark.known.copy()
         self._own[:] = mark.own
-        for name in PLANT_STATE.names or ():
-            self._plant.state[name] = mark.state[name]
+        copy_state(self._plant.state, mark.state)
         self._last, self._outcome = mark.last, mark.outcome
         self._touches, self._announced = list(mark.touches), set(mark.announced)
         self._visits = list(mark.visits)
@@ -334,9 +335,8 @@ class Mission:
         state, robot = self._plant.state, self._robot
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
         watch(self._monitor, self._memory, self._parameters, robot, self._shapes, state, links)
-        belief = self._known[0]
-        perceive(belief, self._parameters, robot, state, links)
-        belief["closed"] = self._monitor["closed"]
+        belief = self._known.copy()[0]  # the first tick perceives this state, and remembers it
+        know(belief, self._parameters, robot, self._shapes, state, links, self._monitor["closed"])
         write_tick(rows[0], self._memory, self._monitor, state, links, belief)
         return rows
 

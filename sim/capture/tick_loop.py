@@ -10,7 +10,7 @@ from sim.control.hand_motion import hand_twists
 from sim.control.phases import Verdict
 from sim.method.method import MethodHandle, decide
 from sim.model.robot import Chain, RobotModel, chain
-from sim.perception.perceived import Perceived, perceive
+from sim.perception.perceived import Perceived, is_perfect, perceive
 from sim.plant.plant import PlantHandle, advance_plant
 from sim.record import Record
 
@@ -44,6 +44,28 @@ def fly(
 
 
 @compiled
+def know(
+    belief: Record,
+    parameters: Record,
+    robot: RobotModel,
+    shapes: Record,
+    state: Record,
+    links: Chain,
+    closed: int,
+) -> Chain:
+    """All that the controller gets of a state, into one element of `PERCEIVED`; the chain as it is believed.
+
+    `closed` is whether the tips truly enclose the target: perfect sensors know.
+    """
+    believed = perceive(belief, parameters, robot, state, links)
+    if is_perfect(parameters.perception):
+        belief.closed = closed
+    else:
+        belief.closed = tips_enclose(robot, shapes.target, believed.hand_pose, belief.target_pose)
+    return believed
+
+
+@compiled
 def control_tick(
     method: MethodHandle,
     robot: RobotModel,
@@ -62,8 +84,7 @@ def control_tick(
     over = bool(monitor.verdict != before)
     verdict = monitor.verdict if over else Verdict.NONE
     belief = known[0]
-    believed = perceive(belief, parameters, robot, state, links)
-    belief.closed = tips_enclose(robot, shapes.target, believed.hand_pose, belief.target_pose)
+    believed = know(belief, parameters, robot, shapes, state, links, monitor.closed)
     decide(method, memory, parameters, robot, belief, believed, verdict)
     write_tick(row, memory, monitor, state, links, belief)
     return over

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
+from sim.control.memory import NEVER
 from sim.record import Record
 
 _HALF = math.pi / 2
@@ -69,7 +70,7 @@ def time_scaling(part: float) -> tuple[float, float]:
 @compiled
 def plan_end(memory: Record) -> float:
     """When the plan ends [s]; before every mission if there is none."""
-    return memory.plan_time[memory.plan_knots - 1] if memory.plan_knots > 1 else -1.0e9
+    return memory.plan_time[memory.plan_knots - 1] if memory.plan_knots > 1 else NEVER
 
 
 @compiled

@@ -213,8 +213,8 @@ def decide(
         memory: one element of `MEMORY`; changed. `commanded_joint_rate` is the result [rad/s].
         parameters: record of `MissionConfig`.
         robot: the robot's model.
-        state: one element of `PLANT_STATE`.
-        links: the chain at that state.
+        state: what is known, one element of `PERCEIVED`.
+        links: the chain as it is believed to be.
         verdict: that has fallen in this tick, `Verdict.NONE` for none.
 
     """

@@ -14,16 +14,16 @@ import math
 import numpy as np
 
 from sim.compiled import FloatArray, compiled
-from sim.model.generalized_jacobian import free_flying_model, momentum, solution
+from sim.model.generalized_jacobian import momentum, solution
 from sim.model.planar import folded
-from sim.model.robot import FREEDOMS, JOINTS, RobotModel, chain, freedom
+from sim.model.robot import FREEDOMS, JOINTS, RobotModel, chain, freedom, momentum_matrix
 from sim.record import Record
 
 GATE = 6.0
 """Standard deviations beyond which a picture is an outlier."""
 ENOUGH = 50
 """Pictures after which a velocity is good to 0.3 mm/s and 2 mrad/s: a plan reaches two seconds ahead."""
-NEVER = -1
+NO_STAMP = -1
 """In place of an instant: there is none."""
 _FASTEST = 5.0
 """Between its first two pictures a body does not move faster [m/s]."""
@@ -33,7 +33,7 @@ _DOUBT = (0.05, 0.05, 0.5)
 """... by so much more with each [m/s, rad/s]: something moved the body that no wrist felt."""
 _BIG = 1e4
 _DRIFT_KEPT = 200
-"""Joint states that motion capture may be behind: a second."""
+"""Joint states that motion capture may be behind; a second of the link's. `sim.config` bounds the delay by it."""
 _NS = 1e-9
 
 BODY_ESTIMATE = np.dtype(
@@ -41,7 +41,7 @@ BODY_ESTIMATE = np.dtype(
         ("stamp", np.int64),  # of the last picture that was taken [ns]
         ("taken", np.int64),  # pictures
         ("outliers", np.int64),
-        ("outlying_since", np.int64),  # stamp of the first of the outliers that have come in a row [ns]; or NEVER
+        ("outlying_since", np.int64),  # stamp of the first of the outliers that have come in a row [ns]; or NO_STAMP
         ("in_a_row", np.int64),
         ("x", np.float64, (3, 2)),  # (x, y, angle), and their rates
         ("p", np.float64, (3, 2, 2)),  # its covariance, one block an axis
@@ -64,7 +64,7 @@ BASE_DRIFT = np.dtype(
 def forget_body(estimate: Record) -> None:
     """Know nothing of a body, one element of `BODY_ESTIMATE`."""
     estimate.stamp, estimate.taken, estimate.outliers, estimate.in_a_row = 0, 0, 0, 0
-    estimate.outlying_since = NEVER
+    estimate.outlying_since = NO_STAMP
     estimate.x[:] = 0.0
     estimate.p[:] = 0.0
 
@@ -119,7 +119,7 @@ def take_picture(
             estimate.x[axis, row] = ahead + gain * innovation[axis]
             for column in range(2):
                 estimate.p[axis, row, column] = predicted[axis, row, column] - gain * predicted[axis, 0, column]
-    estimate.stamp, estimate.outlying_since, estimate.in_a_row = stamp, NEVER, 0
+    estimate.stamp, estimate.outlying_since, estimate.in_a_row = stamp, NO_STAMP, 0
     estimate.taken += 1
     return False, 0.0, 0.0
 
@@ -170,7 +170,7 @@ def _doubt(estimate: Record, stamp: int) -> None:
     """Count an outlier; after some in a row the velocity may be another."""
     estimate.outliers += 1
     estimate.in_a_row += 1
-    if estimate.outlying_since == NEVER:
+    if estimate.outlying_since == NO_STAMP:
         estimate.outlying_since = stamp
     if estimate.in_a_row >= _DOUBTFUL:
         for axis in range(3):
@@ -202,7 +202,7 @@ def take_joints(
 
     """
     links = chain(robot, base_pose, joint_angle, np.zeros(2))
-    matrix = free_flying_model(robot, base_pose, links).momentum_matrix
+    matrix = momentum_matrix(robot, base_pose, links)
     velocity = np.zeros(FREEDOMS)
     for arm in range(2):
         for link in range(JOINTS):

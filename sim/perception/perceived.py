@@ -15,7 +15,7 @@ import numpy as np
 from sim.compiled import compiled
 from sim.config import Source
 from sim.model.robot import Chain, RobotModel, chain
-from sim.perception.cameras import CAMERAS, film
+from sim.perception.cameras import CAMERAS, begin_watching, film
 from sim.perception.contact import is_touching, touching_tip
 from sim.perception.sensing import add_noise, is_noisy
 from sim.record import Record, code_of
@@ -49,11 +49,19 @@ Perceived = np.ndarray[Any, np.dtype[Any]]
 
 
 @compiled
+def is_perfect(perception: Record) -> bool:
+    """Whether what is known is the truth; `perception` is a record of `PerceptionConfig`."""
+    return perception.source != _MOTION_CAPTURE and not is_noisy(perception.noise)
+
+
+@compiled
 def perceive(known: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain) -> Chain:
     """What is known of a true state, into one element of `PERCEIVED` but for `closed`; the chain as it is believed.
 
+    How far a hand gives way on its mount is known as it is: no sensor of the testbed measures it, its hands are rigid.
+
     Args:
-        known: what was known at the tick before; changed.
+        known: what was known at the tick before, all zero at first; changed.
         parameters: record of `MissionConfig`.
         robot: the robot's model.
         state: the true one, one element of `PLANT_STATE`.
@@ -62,12 +70,14 @@ def perceive(known: Record, parameters: Record, robot: RobotModel, state: Record
     """
     perception = parameters.perception
     _copy(known, state)
-    filmed, noisy = perception.source == _MOTION_CAPTURE, is_noisy(perception.noise)
-    if not filmed and not noisy:
+    if is_perfect(perception):
         for arm in range(2):
             known.touching[arm] = state.tip_contact[arm, 0] != 0 or state.tip_contact[arm, 1] != 0
         return links
-    if noisy:
+    filmed = perception.source == _MOTION_CAPTURE
+    if filmed and not known.cameras.begun:
+        begin_watching(known.cameras, known, parameters.simulation.seed)
+    if is_noisy(perception.noise):
         add_noise(perception.noise, parameters.simulation.seed, known)
     if filmed:
         film(known.cameras, known, parameters, robot, known.touching[0] != 0 or known.touching[1] != 0)

@@ -40,6 +40,13 @@ PLANT_STATE = np.dtype(
 )
 """What a plant reports; SI, world axes; arrays lead with the arm (left, right)."""
 
+
+def copy_state(into: Record, source: Record) -> None:
+    """Give one element of `PLANT_STATE` the values of another."""
+    for name in PLANT_STATE.names or ():
+        into[name] = source[name]
+
+
 PlantHandle = Any
 """What compiled code steps a plant by: a named tuple of a class of the plant's own."""
 

@@ -28,7 +28,7 @@ from sim.model.robot import JOINTS, LINKS, RobotModel, base_shape, initial_joint
 from sim.model.shape import Shape, surface
 from sim.model.target import TargetModel, in_target, target_model
 from sim.plant.contact import contact_force, tip_contact
-from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
+from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, copy_state, diverged_at, register_kernel
 from sim.plant.reduced_model import (
     FREE,
     SHAPE,
@@ -189,8 +189,7 @@ class ReducedPlant:
 
         """
         self._own[:] = saved.own
-        for name in PLANT_STATE.names or ():
-            self.state[name] = saved.state[name]
+        copy_state(self.state, saved.state)
 
 
 def _fixed(config: MissionConfig, table: AirTable) -> Fixed:

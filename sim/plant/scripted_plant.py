@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.compiled import FloatArray
 from sim.errors import PlantError
-from sim.plant.plant import PLANT_STATE
+from sim.plant.plant import PLANT_STATE, copy_state
 from sim.record import Record
 
 
@@ -54,8 +54,7 @@ class ScriptedPlant:
         """
         if self._observed == len(self._states):
             raise PlantError(f"the script has ended after {self._observed} states", tip="give it more states")
-        for name in PLANT_STATE.names or ():
-            self._state[name] = self._states[self._observed][name]
+        copy_state(self._state, self._states[self._observed])
         self._observed += 1
 
     def apply_joint_rates(self, joint_rate: FloatArray) -> None:

@@ -22,7 +22,7 @@ def quiet(count: int):
     ticks = np.zeros(count, TICK)
     ticks["tick"] = np.arange(count)
     ticks["time"] = PERIOD * np.arange(count)
-    ticks["target_twist"][:, 2] = 1.0
+    ticks["target_perceived_twist"][:, 2] = 1.0
     return ticks
 
 
@@ -93,12 +93,12 @@ class TestEventsOfTicks:
 
     def test_spin_under_and_over_its_threshold(self):
         ticks = quiet(9)
-        ticks["target_twist"][3:6, 2] = -0.4
+        ticks["target_perceived_twist"][3:6, 2] = -0.4
         assert told(ticks) == [(3, "spin_threshold", "info"), (6, "spin_threshold", "warning")]
 
     def test_they_come_in_order(self):
         ticks = quiet(9)
-        ticks["rate_limited"][2:], ticks["phase"][1:], ticks["target_twist"][4:, 2] = 1, Phase.DETUMBLING, 0.1
+        ticks["rate_limited"][2:], ticks["phase"][1:], ticks["target_perceived_twist"][4:, 2] = 1, Phase.DETUMBLING, 0.1
         assert [tick for tick, *_ in told(ticks)] == [1, 2, 4]
 
     def test_time_and_tick_agree(self):

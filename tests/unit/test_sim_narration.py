@@ -21,7 +21,7 @@ def row(phase: Phase, activity: Activity = Activity.NONE, *, time=1.0, spin=1.0,
     tick = np.zeros(1, TICK)[0]
     tick["phase"], tick["activity"], tick["time"] = phase, activity, time
     tick["closed"] = tick["perceived_closed"] = closed
-    tick["target_twist"][2] = spin
+    tick["target_twist"][2] = tick["target_perceived_twist"][2] = spin
     return tick
 
 

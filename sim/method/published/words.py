@@ -16,7 +16,7 @@ def _motion(row: Any, plan: Plan | None, touches: Sequence[Touch]) -> str:
     activity = Activity(int(row["activity"]))
     if Phase(int(row["phase"])) is Phase.RELEASED:
         return "Both hands draw back." if activity is Activity.OPENING else "The hands are open; the arms hold."
-    spin = float(row["target_twist"][2])
+    spin = float(row["target_perceived_twist"][2])
     hand = "right" if plan and plan.right and not plan.left else "left"
     remaining = max(0.0, plan.times[-1] - float(row["time"])) if plan else 0.0
     touching = next((touch for touch in reversed(touches) if touch.end is None), None)
@@ -34,7 +34,7 @@ def _motion(row: Any, plan: Plan | None, touches: Sequence[Touch]) -> str:
 
 def _next_step(row: Any, config: MissionConfig, phase: Phase) -> tuple[str, list[Condition]]:
     activity = Activity(int(row["activity"]))
-    spin = _spin_condition(float(row["target_twist"][2]), config.published.caging.spin_threshold)
+    spin = _spin_condition(float(row["target_perceived_twist"][2]), config.published.caging.spin_threshold)
     if phase is Phase.IDLE:
         fast = spin.model_copy(update={"met": True, "words": f"{spin.words}: the touches come first"})
         return ("caging", [spin]) if spin.met else ("detumbling", [fast])
@@ -65,7 +65,7 @@ def _closing_conditions(closed: bool, activity: Activity) -> list[Condition]:
 def _unmet(row: Any, config: MissionConfig) -> str:
     phase = Phase(int(row["phase"]))
     if phase is Phase.DETUMBLING:
-        slow = abs(float(row["target_twist"][2])) < config.published.caging.spin_threshold
+        slow = abs(float(row["target_perceived_twist"][2])) < config.published.caging.spin_threshold
         return "" if slow else "the spin was still over its threshold"
     return "" if phase is not Phase.CAGING or row["perceived_closed"] else "the tips did not enclose the target"
 
