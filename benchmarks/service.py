@@ -32,9 +32,6 @@ from server.library.scripted import fly
 from sim.capture.mission import prepare
 from sim.configurations import named_configuration
 
-LATENESS_FIGURE = 0.005
-"""What no tick may exceed because of ten browsers [s] (mission.md, "Figures to reach")."""
-
 FIRST_PAGE_FIGURE = 3.0
 """From the command to the first page [s]."""
 

@@ -84,14 +84,13 @@ def read_document(path: Path, model: type[M], *, numbers: bool = True, upgrade: 
 
 def _validated(content: bytes, model: type[M], upgrade: Upgrade | None) -> M:
     """A document of today's version, or one of any version through its upgrade."""
-    if upgrade is not None:
-        try:
-            content = to_json(upgrade(from_json(content)))
-        except ConfigError:
-            raise
-        except ValueError:  # it is no JSON at all: the model says where
-            return model.model_validate_json(content)
-    return model.model_validate_json(content)
+    if upgrade is None:
+        return model.model_validate_json(content)
+    try:
+        stored = from_json(content)
+    except ValueError:  # it is no JSON at all: the model says where
+        return model.model_validate_json(content)
+    return model.model_validate_json(to_json(upgrade(stored)))
 
 
 def read_lines(path: Path, model: type[M], *, strict: bool = False, upgrade: Upgrade | None = None) -> Iterator[M]:

@@ -14,6 +14,7 @@ from server.api.services import AskerDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
 from server.errors import LoopSilent
+from server.library.changes import base_name
 from server.library.plotted import History
 from server.library.record import LoggedEvent
 from server.mission.arming import ARMED_TIME
@@ -220,7 +221,7 @@ def _kept_flight(services: Services, run_id: str) -> ForkParent:
     if reader.record.versions != versions():
         what = f"run {run_id} was flown by {reader.record.versions}, this is {versions()}"
         raise MissionRefused(what, tip="fly it again with these versions, then fork that run")
-    name = reader.record.configuration.removesuffix(" (edited)")
+    name = base_name(reader.record.configuration)
     known = name if name in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
     last = reader.last_tick()
     return ForkParent(run_id, known, reader.history(), 0 if last is None else int(last["tick"][0]) + 1)

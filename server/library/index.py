@@ -23,7 +23,7 @@ from typing import Any, Literal, NamedTuple
 
 from server.errors import StoredUnreadable
 from server.instants import instant
-from server.library.changes import changes_of
+from server.library.changes import EDITED, changes_of
 from server.library.folder import RECORD_NAME, REMARKS_NAME
 from server.library.record import Remarks, RunKind, RunRecord, RunStatus
 from server.library.runs import RUN_ID, RunStore
@@ -340,7 +340,7 @@ def _conditions(query: RunQuery) -> tuple[list[str], list[Any]]:
         ("outcome = ?", query.outcome.value if query.outcome else None),
         ("at_first_closure = ?", query.at_first_closure.value if query.at_first_closure else None),
         ("instr(tags, ?) > 0", None if query.tag is None else f"\n{query.tag.strip().lower()}\n"),
-        ("configuration IN (?1, ?1 || ' (edited)')", query.configuration),
+        (f"configuration IN (?1, ?1 || '{EDITED}')", query.configuration),
         ("parent = ?", query.parent),
         ("starred = ?", None if query.starred is None else int(query.starred)),
         *(("instr(words, ?) > 0", word) for word in (query.text or "").lower().split()),

@@ -37,6 +37,9 @@ from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
 from sim.file_lock import ProcessLock, is_locked
 
+RECOVERED_NOTE = "recovered: the process that recorded it ended without closing it; every whole chunk of ticks is here"
+"""Of a run that had not ended."""
+
 log = logging.getLogger(__name__)
 
 RUN_ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
@@ -241,14 +244,13 @@ def _repaired(folder: Path, record: RunRecord) -> RunRecord:
     reader = RunReader(folder, record)
     found = reader.scanned()
     last = reader.last_tick()
-    note = "recovered: the process that recorded it ended without closing it; every whole chunk of ticks is here"
     changes = {
         "status": record.status if record.ended else "failed" if record.outcome is None else "finished",
         "duration": 0.0 if last is None else float(last["time"][0]),
         "ticks": found.contents.statistics.channel_message_counts.get(TICK_CHANNEL, 0),
         "integrity": "complete" if found.closed else "recovered",
         "lost_at_most": None if found.closed else LOST_AT_MOST,
-        "note": record.note if found.closed else note,
+        "note": record.note if found.closed or record.ended else RECOVERED_NOTE,
     }
     recovered = record.model_copy(update=changes)
     try:

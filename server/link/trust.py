@@ -20,7 +20,6 @@ DRIFT_LIMIT = 0.25
 """How far joint angles may come from where their rates lead [rad]."""
 DRIFT_TIME = 0.6
 """How long that is remembered [s]."""
-TURN = 2.0 * math.pi
 _UNITS = ((86400 * 365.25, "years"), (86400, "days"), (3600, "h"), (1.0, "s"))
 
 

@@ -99,16 +99,6 @@ def payloads(data: bytes, channel: int) -> Bytes:
     return np.concatenate(found) if found else np.empty(0, "V1")
 
 
-def metadata_of(file: BinaryIO, contents: Contents, name: str) -> dict[str, str] | None:
-    """The last metadata record of that name."""
-    places = [each.offset for each in contents.metadata if each.name == name]
-    if not places:
-        return None
-    file.seek(places[-1] + _RECORD_HEAD.size)
-    values: dict[str, str] = Metadata.read(ReadDataStream(file)).metadata
-    return values
-
-
 def _unpacked(chunk: bytes) -> bytes:
     _, _, size, crc, name = _CHUNK_HEAD.unpack_from(chunk)
     start = _CHUNK_HEAD.size + name + 8

@@ -9,7 +9,8 @@ from pydantic import Field
 
 from server.errors import StoredUnreadable
 from server.library.reader import RunReader
-from server.library.runs import RunStore
+from server.library.runs import RECOVERED_NOTE, RunStore
+from server.mission.live_mission import RESTING_PHASES
 from server.mission.live_run import CUT_OFF_NOTE
 from sim.control.phases import Phase
 from sim.snapshot import FrozenMessage
@@ -38,7 +39,7 @@ def cut_off_run(store: RunStore) -> CutOffRun | None:
     except (OSError, StoredUnreadable, ValueError) as error:  # its log is damaged: the library reports it
         log.warning("run %s was cut off, and does not say in which phase: %s", reader.record.id, error)
         return None
-    if phase is Phase.IDLE:
+    if phase is None:
         return None
     return CutOffRun(run_id=reader.record.id, phase=phase.label, time=reader.record.duration)
 
@@ -48,16 +49,12 @@ def _is_ended_live_run(reader: RunReader) -> bool:
 
 
 def _was_cut_off(reader: RunReader) -> bool:
-    record = reader.record
-    killed = record.integrity == "recovered" and record.status == "failed"
-    return record.outcome is None and (killed or record.note == CUT_OFF_NOTE)
+    return reader.record.outcome is None and reader.record.note in (CUT_OFF_NOTE, RECOVERED_NOTE)
 
 
-def _last_phase(reader: RunReader) -> Phase:
-    """The last phase in which the mission was under way, else the last one; idle without a tick."""
+def _last_phase(reader: RunReader) -> Phase | None:
+    """The phase in which the mission was under way in its last moments; None if it rested: nothing was cut off."""
     moments = [ticks["phase"] for ticks in reader.chunks(since=reader.record.duration - LAST_MOMENTS)]
-    if not moments:
-        return Phase.IDLE
-    phases = np.concatenate(moments)
-    under_way = phases[(phases != Phase.STOPPED) & (phases != Phase.IDLE)]
-    return Phase(int((under_way if len(under_way) else phases)[-1]))
+    phases = np.concatenate(moments) if moments else np.zeros(0, np.uint8)
+    under_way = phases[~np.isin(phases, RESTING_PHASES)]
+    return Phase(int(under_way[-1])) if len(under_way) else None

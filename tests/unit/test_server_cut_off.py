@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from server.library.folder import LOG_NAME
+from server.library.folder import LOG_NAME, write_record
 from server.library.runs import RunStore, new_record
 from server.mission.cut_off import CutOffRun, cut_off_run
 from server.mission.live_run import CUT_OFF_NOTE, STOPPED_NOTE
@@ -65,11 +65,21 @@ def test_the_stop_at_the_end_is_not_taken_for_the_phase(store, monkeypatch):
         ((Phase.DETUMBLING, Phase.STOPPED), {"status": "cancelled", "note": STOPPED_NOTE}),
         ((Phase.IDLE, Phase.FAULTED), {"status": "failed", "note": "the link was lost"}),
         ((Phase.IDLE,), {}),  # killed before anything moved
+        ((Phase.CAGING, Phase.STOPPED, Phase.STOPPED, Phase.STOPPED), {}),  # stopped by the operator, then killed
+        ((Phase.CAGING, Phase.STOPPED, Phase.STOPPED), {"status": "cancelled", "note": CUT_OFF_NOTE}),
     ],
 )
 def test_a_run_that_had_ended_or_never_moved_was_not_cut_off(store, phases, end):
     _written(store, *phases, **end)
     assert cut_off_run(store) is None
+
+
+def test_a_fault_that_the_kill_came_after_keeps_its_reason(store):
+    run_id = _written(store, Phase.CAGING, Phase.CAGING)
+    revised = store.read(run_id).record.model_copy(update={"status": "failed", "note": "the link was lost"})
+    write_record(store.root / run_id, revised.model_copy(update={"integrity": None}))
+    assert cut_off_run(store) is None
+    assert store.read(run_id).record.note == "the link was lost"
 
 
 def test_only_the_newest_live_run_counts(store):

@@ -23,7 +23,7 @@ type Bodies = Pick<MissionSnapshot, "left" | "right" | "base" | "target">;
 
 const isBody = (group: string): group is keyof Bodies => ["left", "right", "base", "target"].includes(group);
 
-/** What the service derives of an arm for plots, derived likewise (server/history.py). */
+/** What the service derives of an arm for plots, derived likewise (server/library/plotted.py). */
 const DERIVED: Readonly<Record<string, (arm: Column) => number>> = {
   hand_force: (arm) => Math.hypot(arm("hand_wrench.x"), arm("hand_wrench.y")),
   position_error: (arm) => Math.hypot(arm("desired_hand_pose.x") - arm("hand_pose.x"), arm("desired_hand_pose.y") - arm("hand_pose.y")),

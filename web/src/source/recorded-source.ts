@@ -60,7 +60,9 @@ export class RecordedSource implements Source {
 
   async refresh(): Promise<void> {
     const { options, id } = this;
-    const [run, table, events] = await Promise.all([options.readRun(id), options.readTicks(id, POINTS), options.readEvents(id)]);
+    // First whether it still grows: what comes after the end of a run is the whole of it.
+    const run = await options.readRun(id);
+    const [table, events] = await Promise.all([options.readTicks(id, POINTS), options.readEvents(id)]);
     this.growing = isUnderWay(run);
     const samples = samplesOfTable(table);
     const series = new Series(samples.length);
