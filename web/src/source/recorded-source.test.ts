@@ -87,6 +87,22 @@ describe("a stored run", () => {
     expect(source.refreshPeriod).toBeNull();
   });
 
+  it("is asked whether it still grows before its ticks and events are read: what is missing comes at the next look", async () => {
+    const { source, sink, service } = opened(run({ status: "running", duration: 5 }));
+    await told(sink);
+    service.readTicks.mockClear();
+    service.readEvents.mockClear();
+    let answer: (stored: Run) => void = () => undefined;
+    service.readRun.mockReturnValue(new Promise<Run>((resolve) => { answer = resolve; }));
+    const reading = source.refresh();
+    expect(service.readTicks).not.toHaveBeenCalled();
+    expect(service.readEvents).not.toHaveBeenCalled();
+    answer(run());
+    await reading;
+    expect(service.readTicks).toHaveBeenCalledOnce();
+    expect(service.readEvents).toHaveBeenCalledOnce();
+  });
+
   it("says why it cannot be shown", async () => {
     const { sink, service, listeners, source, end } = opened();
     await told(sink);
@@ -101,7 +117,8 @@ describe("a stored run", () => {
   });
 
   it("is read finely where somebody looks closely", async () => {
-    const { source, service } = opened();
+    const { source, sink, service } = opened();
+    await told(sink);
     await source.readRange({ from: 2, to: 3 });
     expect(service.readTicks).toHaveBeenLastCalledWith("a", expect.any(Number), { from: 2, to: 3 });
   });
