@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from sim.config import (
@@ -17,21 +19,32 @@ from sim.config import (
     BaseConfig,
     ContactConfig,
     ControlConfig,
+    Engine,
+    Estimator,
+    FilterConfig,
     HandMount,
     LinkConfig,
     MissionConfig,
+    NoiseConfig,
+    PerceptionConfig,
+    RateConfig,
     RobotConfig,
     ServoConfig,
     SimulationConfig,
+    SingularityHandling,
     TargetConfig,
+    TargetShape,
     TrackingConfig,
     value_at,
 )
 from sim.errors import ConfigError
 from sim.method.published.parameters import ImpedanceConfig, PublishedConfig, TouchConfig
+from sim.method.registry import MethodName
 from sim.model.clearance import initial_overlap
+from sim.model.contact_step import CONTACTS, longest_step
 from sim.model.inertia import Outline, outlines
-from sim.parameters import MethodConfig
+from sim.model.shape import even_plate, inner_radius
+from sim.parameters import MethodConfig, points_text
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
 MOST_CHANGES = 4 * len(PARAMETERS)
@@ -42,6 +55,16 @@ DEEPEST_CHANGE = 8
 
 LONGEST_NAME = 100
 """Characters of a name that are compared, and repeated in a message."""
+
+LARGEST_REACH = 2.0
+"""From a polygon's centroid to its farthest corner [m]."""
+
+LEAST_INNER_RADIUS = 1e-3
+"""From a polygon's centroid to its nearest side [m]: as deep as a tip may sink in."""
+
+_TOO_SHORT = "too_short"
+OF_LENGTH = (_TOO_SHORT, "too_long")
+"""Findings about how many values a list has, which are in no unit."""
 
 MOST_FINDINGS = 8
 """Findings that a message lists; it says how many more there are."""
@@ -85,13 +108,35 @@ def _testbed() -> MissionConfig:
     )
 
 
+def _becalm() -> MissionConfig:
+    """Our own method with its defaults, and what it is meant for: noisy sensors, and a filter that knows the forces."""
+    noise = NoiseConfig(
+        position=5e-4, angle=math.radians(0.3), velocity=2e-3, spin=0.02, joint_angle=2e-4, joint_rate=2e-3, force=0.02,
+        torque=1e-3,
+    )  # fmt: skip
+    perception = PerceptionConfig(
+        estimator=Estimator.MODEL_BASED,
+        noise=noise,
+        filter=FilterConfig(position=5e-4, angle=math.radians(0.3)),
+        contact_threshold=0.045,
+    )
+    rates = RateConfig(singularity_handling=SingularityHandling.DAMPED)
+    return MissionConfig(
+        method=MethodName("co_moving_couple"), perception=perception, control=ControlConfig(rates=rates)
+    )
+
+
 NAMED_CONFIGURATIONS: Mapping[str, MissionConfig] = {
     "published": MissionConfig(),
     "as_printed": _printed(),
     "published_figures": _figures(),
     "testbed": _testbed(),
+    "becalm": _becalm(),
 }
-DEFAULT_CONFIGURATION = "published"
+DEFAULT_CONFIGURATION = "becalm"
+"""With which the console opens, and which one capture flies unless another is named."""
+REFERENCE_CONFIGURATION = "published"
+"""All parameters at their defaults: what studies vary unless another is named."""
 
 
 def named_configuration(name: str) -> MissionConfig:
@@ -142,11 +187,13 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
             explained(error),
             tip="the console and GET /api/v1/mission/config/schema list every parameter with its bounds",
         ) from None
+    require_polygon_of_its_kind(result)
     for body in outlines(result):
         if any(value_at(result, path) != value_at(config, path) for path in body.parameters):
             require_inertia_of_its_size(result, body)
     require_shape_for_method(result)
     require_clear_start(result)
+    require_stable_contact(result)
     return result
 
 
@@ -170,6 +217,55 @@ def require_bounded(changes: Mapping[str, Any]) -> None:
             return
     tip = "a parameter's path has a few groups, such as published.impedance.damping"
     raise ConfigError(f"changes = more than {DEEPEST_CHANGE} levels", tip=tip)
+
+
+def require_polygon_of_its_kind(config: MissionConfig) -> None:
+    """Refuse vertices that are no convex polygon, or one that is too large or too thin, whatever shape is chosen.
+
+    Raises:
+        ConfigError: the message names what is wrong with which vertex, or the size that would be right.
+
+    """
+    try:
+        shape = even_plate(np.array(config.target.vertices))
+    except ConfigError as error:
+        raise ConfigError(f"target.{error}", tip=error.tip) from None
+    stated = f"target.vertices = {stated_value(config, 'target.vertices')}"
+    if shape.corner_circle > LARGEST_REACH:
+        raise ConfigError(
+            f"{stated}: the farthest corner is {shape.corner_circle:.4g} m from the centroid; it must be at most "
+            f"{LARGEST_REACH:g} m",
+            tip="vertices are in metres",
+        )
+    if inner_radius(shape) < LEAST_INNER_RADIUS:
+        raise ConfigError(
+            f"{stated}: the nearest side is {inner_radius(shape):.4g} m from the centroid; it must be at least "
+            f"{LEAST_INNER_RADIUS:g} m, or a tip passes through",
+            tip="vertices are in metres",
+        )
+
+
+def require_stable_contact(config: MissionConfig) -> None:
+    """Refuse a physics step that the reduced plant's stiffest contact does not bear.
+
+    Raises:
+        ConfigError: the message names step, contact, and the step that would be right.
+
+    """
+    if config.simulation.engine is not Engine.REDUCED:
+        return
+    bounds = {kind: longest_step(config, kind) for kind in CONTACTS}
+    kind = min(bounds, key=lambda name: bounds[name])
+    step, bound = config.simulation.time_step, bounds[kind]
+    if step <= bound:
+        return
+    stiffness, damping = (getattr(config.contact, name) for name in CONTACTS[kind])
+    words = " and ".join(f"contact.{name}" for name in CONTACTS[kind])
+    fraction = config.control.period / math.ceil(config.control.period / bound)
+    raise ConfigError(
+        f"simulation.time_step = {step:g} s is too long for {words} = {stiffness:g} N/m and {damping:g} N s/m: "
+        f"the reduced plant is stable up to {bound:.3g} s, so take {fraction:.3g} or less"
+    )
 
 
 def require_inertia_of_its_size(config: MissionConfig, body: Outline) -> None:
@@ -212,6 +308,12 @@ def require_shape_for_method(config: MissionConfig) -> None:
             f"{' or '.join(shapes)}: {method.why_these_shapes}",
             tip=f"set target.shape = {shapes[0]}, or choose another method",
         )
+    if method.opposite_sides and config.target.shape is TargetShape.REGULAR_POLYGON and config.target.sides % 2:
+        raise ConfigError(
+            f"target.sides = {config.target.sides}: method = {config.method.value} captures only a polygon with an "
+            f"even number of them: {method.why_these_shapes}",
+            tip=f"set target.sides = {config.target.sides + 1}, or choose another method",
+        )
 
 
 def require_clear_start(config: MissionConfig) -> None:
@@ -248,15 +350,17 @@ def merged(tree: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
 def explained(error: ValidationError) -> str:
     """A validation error as one line a finding: field, value and what would be right."""
     lines = []
-    findings = error.errors(include_url=False)
+    findings = independent_findings(error)
     for finding in findings[:MOST_FINDINGS]:
         path = shortened(".".join(str(part) for part in finding["loc"]))
         if finding["type"] == "extra_forbidden":
             lines.append(unknown_parameter(path))
-        elif path and path in PARAMETERS:
-            lines.append(f"{path} = {shortened(repr(finding['input']))}: {finding['msg']}{bracketed_unit(path)}")
+        elif path and isinstance(finding["input"], Mapping):  # of a group: its parts do not fit one another
+            lines.append(f"{path}: {finding['msg'].removeprefix('Value error, ')}")
         elif path:
-            lines.append(f"{path} = {shortened(repr(finding['input']))}: {finding['msg']}")
+            owner = None if finding["type"] in OF_LENGTH else owning_parameter(path)
+            unit = "" if owner is None else bracketed_unit(owner)
+            lines.append(f"{path} = {shortened(repr(finding['input']))}: {finding['msg']}{unit}")
         else:
             lines.append(finding["msg"].removeprefix("Value error, "))
     if len(findings) > MOST_FINDINGS:
@@ -264,9 +368,25 @@ def explained(error: ValidationError) -> str:
     return "; ".join(lines)
 
 
+def independent_findings(error: ValidationError) -> list[Any]:
+    """What pydantic found, but for a list that is too short only because some of its values were refused."""
+    findings = error.errors(include_url=False, include_context=False)
+    refused = {finding["loc"][:depth] for finding in findings for depth in range(1, len(finding["loc"]))}
+    return [each for each in findings if each["type"] != _TOO_SHORT or each["loc"] not in refused]
+
+
 def shortened(text: str) -> str:
     """The text, or as much of it as a message should repeat."""
     return text if len(text) <= LONGEST_NAME else text[: LONGEST_NAME - 3] + "..."
+
+
+def owning_parameter(path: str) -> str | None:
+    """The parameter at that path, or of which it is a part, as `target.vertices.2.0` is; None if there is none."""
+    while path and path not in PARAMETERS:
+        path, _, part = path.rpartition(".")
+        if not part.isdigit():
+            return None
+    return path or None
 
 
 def bracketed_unit(path: str) -> str:
@@ -278,6 +398,8 @@ def bracketed_unit(path: str) -> str:
 def stated_value(config: MissionConfig, path: str) -> str:
     """The value of that parameter with its unit, as a message says it."""
     value, unit = value_at(config, path), PARAMETERS[path].json_schema_extra["unit"]
+    if isinstance(value, tuple):
+        return f"'{points_text(value)}' {unit}"
     return f"{value:g} {unit}" if isinstance(value, float) else str(value)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+from sim.method.co_moving_couple.parameters import CoMovingCoupleConfig
 from sim.method.published.parameters import PublishedConfig
 from sim.parameters import ConfigModel
 
@@ -16,6 +17,7 @@ class MethodGroups(ConfigModel):
     """The parameters of each method, by its name."""
 
     published: PublishedConfig = PublishedConfig()
+    co_moving_couple: CoMovingCoupleConfig = CoMovingCoupleConfig()
 
 
 MethodName = StrEnum("MethodName", list(MethodGroups.model_fields))  # type: ignore[misc]  # the fields name them
