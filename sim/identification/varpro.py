@@ -1,0 +1,250 @@
+"""The least squares of a fit: parameters of all runs at once, the state of every stretch following them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from sim.compiled import FloatArray
+from sim.errors import CaptureError
+from sim.identification.parameters import STAMP_ERROR, Parameter, hypothesis, scaled_bounds
+from sim.identification.recording import Recording
+from sim.identification.rollout import Model
+from sim.identification.shooting import WELL, Shot, Solved, Weights, projected
+from sim.identification.stretches import stretches_of
+
+_MOST_EVALUATIONS = 25
+"""Of one least-squares problem."""
+
+_DIFFERENCE = 1e-3
+"""Of a parameter, in spreads of its prior, for slopes."""
+
+_CLOSE = 1e-3
+"""A step by less than this, in spreads, or that lowers the misfit by a smaller part of it, ends a fit."""
+
+_INSIDE = 0.1
+"""Distance from its bounds, in spreads, at which a parameter begins: beside a bound steps are short ones."""
+
+_CONTACT_ONLY = ("contact.", "target.", "wrist.")
+"""What free flight says nothing about."""
+
+_T = TypeVar("_T")
+_R = TypeVar("_R")
+
+
+class FitCancelled(CaptureError):
+    """Nobody waits for the fit any longer."""
+
+
+class Estimate(NamedTuple):
+    """What a least-squares fit came to."""
+
+    scaled: FloatArray
+    """Each parameter's distance from its nominal value in spreads, shape (parameters,)."""
+    solved: tuple[Solved, ...]
+    """Of each shot."""
+    slopes: tuple[FloatArray, ...]
+    """Of each shot: how its residuals change with the parameters, states following, shape (rows 18, parameters)."""
+    evaluations: int
+
+
+class Problem:
+    """Recordings, and the parameters that explain all of them together."""
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        parameters: Sequence[Parameter],
+        *,
+        threads: int,
+        cancelled: threading.Event | None = None,
+        on_evaluation: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.recordings, self.parameters = tuple(recordings), tuple(parameters)
+        self.shots = tuple(Shot(each, stretch) for each in recordings for stretch in stretches_of(each))
+        self._threads, self._cancelled, self._on_evaluation = threads, cancelled, on_evaluation
+        self.counted = [True] * len(self.shots)
+        """Whether a shot counts; its state is looked for all the same."""
+        self._weights: Weights | None = None
+        self._solved: list[Solved | None] = [None] * len(self.shots)
+        """The best until now, with these weights."""
+        self._leads = [None if shot.stretch.follows else shot.lead() for shot in self.shots]
+        starts = [place for place, shot in enumerate(self.shots) if not shot.stretch.follows]
+        self._chains = [range(a, b) for a, b in zip(starts, [*starts[1:], len(self.shots)], strict=True)]
+
+    def values(self, scaled: FloatArray) -> dict[str, float]:
+        """Parameters by name, from their distances in spreads."""
+        return {
+            each.name: each.nominal + each.spread * z for each, z in zip(self.parameters, scaled.tolist(), strict=True)
+        }
+
+    def models(self, values: Mapping[str, float]) -> list[Model]:
+        """The hypothesis for each recording."""
+        return [Model(each, hypothesis(each.config, values, each.command_delay)) for each in self.recordings]
+
+    def solve(self, values: Mapping[str, float], weights: Weights) -> list[Solved]:
+        """Every shot under one hypothesis, from the best state."""
+        sigma = weights.of_channels
+        models = dict(zip((id(each) for each in self.recordings), self.models(values), strict=True))
+
+        if self._weights != weights:
+            self._weights, self._solved = weights, [None] * len(self.shots)
+
+        def solved(places: Sequence[int]) -> list[Solved]:
+            found: list[Solved] = []
+            for place in places:
+                shot, known, lead = self.shots[place], self._solved[place], self._leads[place]
+                if known is not None and not self.counted[place]:
+                    found.append(known)
+                    continue
+                model = models[id(shot.recorded)]
+                best = shot.solve(model, known, sigma)
+                if found:
+                    before = self.shots[place - 1]
+                    best = shot.better(model, best, before.predict(model, found[-1].node).end, sigma)
+                elif lead is not None and shot.misfit(best) > WELL:
+                    best = shot.better(model, best, lead.solve(model, None, sigma).node, sigma)
+                found.append(best)
+            return found
+
+        return list(chain.from_iterable(self._all(solved, self._chains)))
+
+    def estimate(self, start: FloatArray, free: Sequence[int], weights: Weights, close: float = _CLOSE) -> Estimate:
+        """Fit those parameters whose numbers are given; the others stay at the start.
+
+        Raises:
+            FitCancelled: nobody waits any longer.
+
+        """
+        run = _Run(self, start, list(free), weights)
+        if len(free):
+            low, high = scaled_bounds(self.parameters)
+            found = least_squares(
+                run.residuals,
+                np.clip(start[run.free], low[run.free] + _INSIDE, high[run.free] - _INSIDE),
+                jac=run.jacobian,
+                bounds=(low[run.free], high[run.free]),
+                xtol=close,
+                ftol=close,
+                gtol=1e-8,
+                max_nfev=_MOST_EVALUATIONS,
+            )
+            run.residuals(found.x)
+        scaled, solved = run.at(start[run.free] if not len(free) else found.x)
+        return Estimate(scaled, tuple(solved), tuple(run.slopes()), run.evaluations)
+
+    def slopes(
+        self, scaled: FloatArray, solved: Sequence[Solved], free: Sequence[int], weights: Weights
+    ) -> list[FloatArray]:
+        """How each shot's residuals change with those parameters, states following, shape (rows 18, parameters)."""
+        sigma, base = weights.of_channels, self.models(self.values(scaled))
+        varied = []
+        for place in free:
+            changed = scaled.copy()
+            changed[place] += _DIFFERENCE
+            varied.append(self.models(self.values(changed)))
+        number = {id(each): place for place, each in enumerate(self.recordings)}
+
+        def slope(place: int) -> FloatArray:
+            shot, at = self.shots[place], solved[place]
+            if not self.counted[place]:
+                return np.zeros((at.residual.size, len(free)))
+            of = number[id(shot.recorded)]
+            now = shot.residual(shot.predict(base[of], at.node), sigma)
+            slopes = np.zeros((now.size, len(free)))
+            for column, parameter in enumerate(free):
+                if shot.stretch.touches or not self.parameters[parameter].name.startswith(_CONTACT_ONLY):
+                    then = shot.residual(shot.predict(varied[column][of], at.node), sigma)
+                    slopes[:, column] = (then - now).ravel() / _DIFFERENCE
+            return projected(at, slopes)
+
+        return self._all(slope, range(len(self.shots)))
+
+    def leave_out(self, solved: Sequence[Solved], times: float, *, touches: bool = True) -> None:
+        """Count no shot whose misfit is so many times the usual one of its kind, and no touch unless they are to count.
+
+        A touch that nobody felt, or a reading gone wrong, is explained by no values, and would spoil all of them. Free
+        flight is always explained better than a touch, so each is compared with its like: most of either stay.
+        """
+        misfits = np.array([shot.misfit(each) for shot, each in zip(self.shots, solved, strict=True)])
+        touching = np.array([shot.stretch.touches for shot in self.shots])
+        counted = np.zeros(len(self.shots), dtype=bool)
+        for kind in (touching, ~touching) if touches else (~touching,):
+            usual = float(np.median(misfits[kind])) if kind.any() else 1.0
+            counted |= kind & (misfits <= times * max(1.0, usual))
+        self.counted = counted.tolist()
+
+    def remember(self, solved: Sequence[Solved]) -> None:
+        """Begin from these states next time."""
+        self._solved = list(solved)
+
+    def _all(self, function: Callable[[_T], _R], items: Sequence[_T]) -> list[_R]:
+        def guarded(item: _T) -> _R:
+            if self._cancelled is not None and self._cancelled.is_set():
+                raise FitCancelled("the fit was cancelled")
+            return function(item)
+
+        with ThreadPoolExecutor(self._threads, "becalm-fit") as pool:
+            return list(pool.map(guarded, items))
+
+    def evaluated(self) -> None:
+        """Tell whoever waits that one more evaluation is done."""
+        self._on_evaluation()
+
+
+class _Run:
+    """One least-squares problem: residuals and their slopes at the point that was looked at last."""
+
+    def __init__(self, problem: Problem, start: FloatArray, free: list[int], weights: Weights) -> None:
+        self._problem, self._start, self._weights = problem, start, weights
+        self.free, self.evaluations = free, 0
+        self._last: tuple[FloatArray, list[Solved]] | None = None
+        self._best = np.inf
+
+    def at(self, x: FloatArray) -> tuple[FloatArray, list[Solved]]:
+        """All parameters, and every shot from its best state."""
+        if self._last is None or not np.array_equal(self._last[0][self.free], x):
+            scaled = self._start.copy()
+            scaled[self.free] = x
+            solved = self._problem.solve(self._problem.values(scaled), self._weights)
+            self._last = scaled, solved
+            cost = sum(each.cost for each, counts in zip(solved, self._problem.counted, strict=True) if counts)
+            if cost < self._best:  # the next point is near to the best one
+                self._best = cost
+                self._problem.remember(solved)
+            self.evaluations += 1
+            self._problem.evaluated()
+        return self._last
+
+    def residuals(self, x: FloatArray) -> FloatArray:
+        """Of all shots, and of the prior."""
+        scaled, solved = self.at(x)
+        counted = self._problem.counted
+        left = [each.residual.ravel() * counts for each, counts in zip(solved, counted, strict=True)]
+        return np.concatenate([*left, scaled[self.free]])
+
+    def slopes(self) -> list[FloatArray]:
+        """At the last point."""
+        assert self._last is not None, "a point has been looked at"
+        return self._problem.slopes(*self._last, self.free, self._weights)
+
+    def jacobian(self, x: FloatArray) -> Any:
+        """Of `residuals`."""
+        self.at(x)
+        return np.concatenate([*self.slopes(), np.eye(len(self.free))])
+
+
+def shared_delay(recordings: Sequence[Recording]) -> float:
+    """The delay of commands that is nominal for runs that are fitted together [s]."""
+    return float(np.median([each.command_delay for each in recordings]))
+
+
+def in_free_flight(parameter: Parameter) -> bool:
+    """Whether free flight tells something about a parameter; a lag of pictures shows where hands meet the target."""
+    return not parameter.name.startswith((*_CONTACT_ONLY, STAMP_ERROR))
