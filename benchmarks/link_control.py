@@ -21,7 +21,7 @@ import numpy as np
 from becalm.typed import parse_setting
 from server.link import wire
 from server.link.contract import MOTION_CAPTURE_RATE
-from server.link.imperfections import Imperfections, Sensors
+from server.link.imperfections import BODIES, Imperfections, Sensors
 from server.link.perception import Perception
 from server.link.robot_emulator import GRAVITY
 from sim.capture.mission import Mission
@@ -35,7 +35,6 @@ from sim.plant.plant import PLANT_STATE, AirTable
 from sim.record import Record
 from sim.snapshot import Outcome
 
-CONTACT_THRESHOLD = 0.12
 SETTLING = 200
 """Control periods before the capture begins: the perception of a robot that was just taken."""
 IDEAL = Imperfections(**dict.fromkeys(Imperfections.model_fields, 0.0))
@@ -54,7 +53,7 @@ class VirtualLink:
         self._period = round(1e9 * config.control.period)
         self._robot = robot_model(config.robot)
         self._sensors = Sensors(some, seed)
-        self._perception = Perception(config, CONTACT_THRESHOLD)
+        self._perception = Perception(config)
         self._every = round(1.0 / (MOTION_CAPTURE_RATE * config.control.period))
         self._delay = round(1e9 * some.motion_capture_delay)
         self._pictures: deque[tuple[int, str, bytes]] = deque()
@@ -90,14 +89,15 @@ class VirtualLink:
         stamp = self._cycle * self._period
         self.peak = max(self.peak, float(np.hypot(*truth["hand_wrench"][:, :2].T).max()))
         links = chain(self._robot, truth["base_pose"], truth["joint_angle"], truth["mount_angle"])
-        for arm, wrench in enumerate(self._sensors.wrenches(stamp, truth, links.hand_pose[:, 2])):
+        self._sensors.sense(truth, links.hand_pose[:, 2])
+        for arm, wrench in enumerate(self._sensors.wrenches(stamp)):
             self._perception.take_wrench(arm, wire.decode_wrench(wire.encode_wrench(wrench)))
         if self._cycle % self._every == 0:
-            for body in ("base", "target"):
-                pose = self._sensors.pose(stamp, truth[f"{body}_pose"])
+            for body in BODIES:
+                pose = self._sensors.pose(stamp, body)
                 if pose is not None:
                     self._pictures.append((stamp + self._delay, body, wire.encode_pose(pose)))
-        joints = wire.decode_joints(wire.encode_joints(self._sensors.joints(stamp, truth)._replace(robot="virtual")))
+        joints = wire.decode_joints(wire.encode_joints(self._sensors.joints(stamp)._replace(robot="virtual")))
         self._perception.take_joints(joints)
         while self._pictures and self._pictures[0][0] <= stamp:
             _, body, payload = self._pictures.popleft()

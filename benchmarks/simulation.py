@@ -22,22 +22,22 @@ import numpy as np
 from sim.capture.caging import cage
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission, prepare
-from sim.capture.monitor import MONITOR, begin_monitoring, watch
+from sim.capture.monitor import begin_monitoring, watch
 from sim.capture.run import run_capture
+from sim.capture.tick_loop import FLIGHT, Flight, know, recall, write_tick
 from sim.compiled import FloatArray, compiled
 from sim.config import Engine, MissionConfig
 from sim.configurations import named_configuration, revised
-from sim.control.memory import MEMORY
 from sim.control.phases import Command, Phase, Sequence, Verdict
 from sim.method.method import MethodHandle, begin_sequence, decide, method_of
 from sim.model.clearance import shapes_of
-from sim.model.robot import LINKS, Chain, chain
-from sim.perception.perceived import PERCEIVED, perceive
+from sim.model.reduced_model import set_chain
+from sim.model.robot import LINKS, robot_model
 from sim.plant.chipmunk import SET_RATE, STEP, call_scalar
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import PLANT_STATE, PlantHandle, advance_plant
+from sim.plant.plant import PLANT_STATE, PlantHandle, advance_plant, robot_shape
 from sim.plant.pymunk_plant import PymunkHandle, PymunkPlant
-from sim.record import Record, record_of
+from sim.record import Record, packed, record_of
 from tests.physics.mujoco_reference import Reference
 
 ROUNDS = 5
@@ -66,9 +66,10 @@ def capture_speeds() -> dict[str, float]:
         ("published", "published", False),
         ("published_figures", "published_figures", False),
     ):
-        config = named_configuration(name)
-        simulated = run_capture(config, direct=direct).simulated_time
-        speeds[label] = simulated / best_time(partial(run_capture, config, direct=direct))
+        for engine in Engine:
+            config = revised(named_configuration(name), {"simulation": {"engine": engine.value}})
+            simulated = run_capture(config, direct=direct).simulated_time
+            speeds[f"{label}, {engine.value}"] = simulated / best_time(partial(run_capture, config, direct=direct))
     return speeds
 
 
@@ -89,58 +90,103 @@ def _plant_ticks(handle: PlantHandle, parameters: Record, state: Record, rates: 
 
 
 @compiled
-def _watched_ticks(
-    handle: PymunkHandle,
-    shapes: Record,
-    parameters: Record,
-    monitor: Record,
-    memory: Record,
-    state: Record,
-    flown: Ticks,
-) -> None:
+def _shaped_ticks(handle: PlantHandle, flight: Flight, state: Record, flown: Ticks) -> None:
+    own = flight[0]
     for row in flown:
-        watch(monitor, memory, parameters, handle.robot, shapes, state, _recalled(handle, state, row))
+        recall(row, state)
+        set_chain(state.base_pose, robot_shape(handle, own.robot, state, own.shape), own.links)
 
 
 @compiled
-def _controlled_ticks(
-    handle: PymunkHandle,
-    method: MethodHandle,
-    parameters: Record,
-    memory: Record,
-    state: Record,
-    known: Record,
-    flown: Ticks,
-) -> None:
+def _watched_ticks(flight: Flight, state: Record, flown: Ticks) -> None:
+    own = flight[0]
     for row in flown:
-        believed = perceive(known, parameters, handle.robot, state, _recalled(handle, state, row))
-        decide(method, memory, parameters, handle.robot, known, believed, Verdict.NONE)
+        recall(row, state)
+        watch(own.monitor, own.memory, own.parameters, own.robot, own.shapes, state, own.links)
 
 
 @compiled
-def _recalled(handle: PymunkHandle, state: Record, row: Record) -> Chain:
-    """The plant's state as a recorded tick has it, and its chain."""
-    state.time = row.time
-    state.base_pose[:], state.base_twist[:] = row.base_pose, row.base_twist
-    state.joint_angle[:], state.joint_rate[:] = row.joint_angle, row.joint_rate
-    state.target_pose[:], state.target_twist[:] = row.target_pose, row.target_twist
-    return chain(handle.robot, state.base_pose, state.joint_angle, state.mount_angle)
+def _controlled_ticks(method: MethodHandle, flight: Flight, state: Record, flown: Ticks) -> None:
+    own = flight[0]
+    for row in flown:
+        recall(row, state)
+        know(own.known, own.parameters, own.robot, own.shapes, state, 0)
+        shape, links, motion = own.shape, own.links, own.motion
+        decide(method, own.memory, own.parameters, own.robot, own.known, shape, links, motion, Verdict.NONE)
+
+
+@compiled
+def _written_ticks(flight: Flight, state: Record, flown: Ticks, rows: Ticks) -> None:
+    own = flight[0]
+    for place in range(flown.shape[0]):
+        recall(flown[place], state)
+        write_tick(rows[place], own.memory, own.monitor, state, own.links, own.known)
+
+
+@compiled
+def _recalled_ticks(state: Record, flown: Ticks) -> None:
+    for row in flown:
+        recall(row, state)
 
 
 def tick_shares() -> dict[str, float]:
-    """Time of each part of a tick, relative to a whole one, over the approach to the first touch.
+    """Time of each part of a tick, relative to a whole one, over the approach to the first touch, in each engine.
 
     The parts fly the same motion again: arms at rest would leave pymunk's collision tree nothing to do.
     """
-    config = MissionConfig()
+    return {f"{engine.value}: {part}": share for engine in Engine for part, share in engine_shares(engine).items()}
+
+
+def engine_shares(engine: Engine) -> dict[str, float]:
+    """As `tick_shares`, in one engine."""
+    config = revised(MissionConfig(), {"simulation": {"engine": engine.value}})
     chosen = method_of(config)
     method = chosen.handle(config, np.zeros(1, chosen.memory))
-    kinds = (MEMORY, MONITOR, PLANT_STATE, PERCEIVED)
-    memory, monitor, state, known = (np.zeros(1, kind)[0] for kind in kinds)
-    plants = iter([PymunkPlant(config) for _ in range(2 * ROUNDS + 2)])
-    handle, parameters, shapes = PymunkPlant(config).handle, record_of(config), shapes_of(config)
+    flight, state = np.zeros(1, FLIGHT), np.zeros(1, PLANT_STATE)[0]
+    flight["robot"], flight["shapes"] = packed(robot_model(config.robot)), shapes_of(config)
+    flight["parameters"] = record_of(config)
+    plants = iter([simulated_plant(config) for _ in range(2 * ROUNDS + 3)])
+    handle, parameters = next(plants).handle, record_of(config)
     flown = _begun(config).advance(TICKS)
-    rates = np.ascontiguousarray(flown["commanded_joint_rate"])
+    rates, rows = np.ascontiguousarray(flown["commanded_joint_rate"]), flown.copy()
+
+    def fly_plant() -> None:
+        plant = next(plants)
+        _plant_ticks(plant.handle, parameters, plant.state, rates)
+
+    def steer() -> None:
+        begin_sequence(method, flight[0]["memory"], int(Phase.DETUMBLING), int(Sequence.CAPTURE))
+        _controlled_ticks(method, flight, state, flown)
+
+    def look() -> None:
+        begin_monitoring(flight[0]["monitor"], 0.0, state["momentum"])
+        _watched_ticks(flight, state, flown)
+
+    parts = {
+        "plant": fly_plant,
+        "where the links are": partial(_shaped_ticks, handle, flight, state, flown),
+        "perception and controller": steer,
+        "monitor": look,
+        "rows": partial(_written_ticks, flight, state, flown, rows),
+        "recall": partial(_recalled_ticks, state, flown),
+    }
+    times = {}
+    for name, part in parts.items():
+        part()  # compiled
+        times[name] = best_time(part)
+    recalling = times.pop("recall")
+    times = {name: taken - (0.0 if name == "plant" else recalling) for name, taken in times.items()}
+    missions = iter([_begun(config) for _ in range(ROUNDS)])
+    whole = best_time(lambda: next(missions).advance(TICKS))
+    times["rest: fresh memory, events"] = whole - sum(times.values())
+    return {name: taken / whole for name, taken in times.items()}
+
+
+def step_share() -> dict[str, float]:
+    """Time of pymunk's own step relative to that of its plant."""
+    config = MissionConfig()
+    plants = iter([PymunkPlant(config) for _ in range(2 * ROUNDS + 2)])
+    rates, parameters = np.ascontiguousarray(_begun(config).advance(TICKS)["commanded_joint_rate"]), record_of(config)
 
     def step() -> None:
         _bare_steps(next(plants).handle, config.simulation.time_step, rates)
@@ -149,28 +195,9 @@ def tick_shares() -> dict[str, float]:
         plant = next(plants)
         _plant_ticks(plant.handle, parameters, plant.state, rates)
 
-    def steer() -> None:
-        begin_sequence(method, memory, int(Phase.DETUMBLING), int(Sequence.CAPTURE))
-        _controlled_ticks(handle, method, parameters, memory, state, known, flown)
-
-    def look() -> None:
-        begin_monitoring(monitor, 0.0, state["momentum"])
-        _watched_ticks(handle, shapes, parameters, monitor, memory, state, flown)
-
-    parts = {
-        "pymunk's step": step,
-        "plant, with that step": fly_plant,
-        "perception and controller": steer,
-        "monitor": look,
-    }
-    times = {}
-    for name, part in parts.items():
+    for part in (step, fly_plant):
         part()  # compiled
-        times[name] = best_time(part)
-    missions = iter([_begun(config) for _ in range(ROUNDS)])
-    whole = best_time(lambda: next(missions).advance(TICKS))
-    rest = whole - times["plant, with that step"] - times["perception and controller"] - times["monitor"]
-    return {name: taken / whole for name, taken in {**times, "rest: rows, fresh memory, events": rest}.items()}
+    return {"pymunk's own step": best_time(step) / best_time(fly_plant)}
 
 
 def _begun(config: MissionConfig) -> Mission:
@@ -196,9 +223,26 @@ def ratios_to_mujoco() -> dict[str, float]:
         fly_plant()  # compiled
         ratios[f"{engine.value}: plant alone, free flight"] = bare * TICKS / best_time(fly_plant)
         ticks = run_capture(config).ticks
-        taken = best_time(partial(run_capture, config)) / ticks
-        ratios[f"{engine.value}: whole capture, with controller, judge and rows"] = bare / taken
+        for kept, fly_it in {
+            "no rows kept": partial(run_capture, config),
+            "every row kept in memory": partial(_keep_rows, config),
+        }.items():
+            ratios[f"{engine.value}: whole capture, with controller and judge, {kept}"] = (
+                bare * ticks / best_time(fly_it)
+            )
+        ratios[f"{engine.value}: ticks of an approach alone, no rows kept"] = bare * TICKS / _ticks_alone(config)
     return ratios
+
+
+def _keep_rows(config: MissionConfig) -> None:
+    rows: list[Ticks] = []
+    run_capture(config, on_ticks=rows.append)
+
+
+def _ticks_alone(config: MissionConfig) -> float:
+    """Thread time of so many ticks of a capture, without its beginning and the caging test at its end [s]."""
+    missions = iter([_begun(config) for _ in range(ROUNDS)])
+    return best_time(lambda: next(missions).advance_unrecorded(TICKS))
 
 
 def iteration_shares() -> dict[str, float]:
@@ -232,6 +276,7 @@ def cage_times() -> dict[str, float]:
 SECTIONS: dict[str, tuple[Callable[[], dict[str, float]], str]] = {
     "Simulated seconds a second of one core, whole captures": (capture_speeds, "{:8.0f}"),
     "Share of a tick, over the approach to the first touch": (tick_shares, "{:8.0%}"),
+    "Share of the time of its plant": (step_share, "{:8.0%}"),
     "Multiples of MuJoCo's bare step of the same robot": (ratios_to_mujoco, "{:8.2f}"),
     "Pymunk's step, relative to the default's iterations": (iteration_shares, "{:8.2f}"),
     "Caging test, relative to 100 ms": (cage_times, "{:8.0%}"),
@@ -243,7 +288,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     as_json = parser.parse_args().json
-    prepare()
+    prepare(MissionConfig())
     measured = {title: measure() for title, (measure, _) in SECTIONS.items()}
     speeds = next(iter(measured.values()))
     if as_json:

@@ -15,7 +15,7 @@ import time
 
 import numpy as np
 
-from benchmarks.simulation import tick_shares
+from benchmarks.simulation import engine_shares
 from sim.capture.mission import prepare
 from sim.reproduction.published import agreement, published_study
 from sim.study.cores import cores
@@ -53,8 +53,8 @@ def measured(cells: int, workers: int) -> dict[str, float]:
     _, time_of_one = flown(cells, 1)
     simulated = sum(row["duration"] for row in rows)
     flying = simulated / speed_alone / (workers * wall_time)
-    tick = tick_shares()
-    physics, control = tick["plant, with that step"], tick["controller"]
+    tick = engine_shares(published_study().base.simulation.engine)
+    physics, control = tick["plant"], tick["perception and controller"]
     return {
         "workers": workers,
         "cells": len(rows),
@@ -79,7 +79,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=cores())
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     arguments = parser.parse_args()
-    prepare()
+    prepare(published_study().base)
     figures = measured(arguments.cells, arguments.workers)
     if arguments.json:
         print(json.dumps(figures, indent=2))

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
 from sim.method.registry import MethodGroups, MethodName
-from sim.parameters import LIVE, ConfigModel, Number, WholeNumber, parameter
+from sim.parameters import LIVE, ConfigModel, Number, Points, WholeNumber, parameter
 from sim.schema_history import VERSION, config_version
 
 
@@ -63,6 +63,8 @@ class TargetShape(StrEnum):
     """As many sides as `sides`, of length `side`, one of them facing +x."""
     CIRCLE = "circle"
     """Of radius `radius`."""
+    POLYGON = "polygon"
+    """Convex, with its corners at `vertices`."""
 
 
 class SingularityHandling(StrEnum):
@@ -256,6 +258,14 @@ class TargetConfig(ConfigModel):
     radius: Number = parameter(
         0.075, "Radius of a circle", unit="m", source="chosen: touches the sides of the published square", gt=0, le=1
     )
+    vertices: Points = parameter(
+        ((0.0, 0.0), (0.14, 0.0), (0.11, 0.10), (0.0, 0.13)),
+        "Corners of a polygon, counter-clockwise, from any origin: their centroid is the centre of mass",
+        unit="m",
+        source="chosen: a wedge with no two sides alike",
+        fewest=3,
+        most=12,
+    )
     mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=1e-3, le=1e4)
     inertia: Number = parameter(
         9.32724e-3,
@@ -281,19 +291,6 @@ class TargetConfig(ConfigModel):
     initial_spin: Number = parameter(
         1.0, "Angular velocity at the start, omega_0", unit="rad/s", source="Sec. IV-A", ge=-20, le=20
     )
-
-    @property
-    def reach(self) -> float:
-        """From the centre to the farthest point of the outline [m]."""
-        match self.shape:
-            case TargetShape.SQUARE:
-                return self.side / math.sqrt(2.0)
-            case TargetShape.RECTANGLE:
-                return math.hypot(self.width, self.depth) / 2.0
-            case TargetShape.REGULAR_POLYGON:
-                return self.side / (2.0 * math.sin(math.pi / self.sides))
-            case TargetShape.CIRCLE:
-                return self.radius
 
 
 class ContactConfig(ConfigModel):
@@ -391,11 +388,15 @@ class ControlConfig(ConfigModel):
     rates: RateConfig = RateConfig()
 
 
-def _noise(quantity: str, unit: str, most: float) -> Any:
-    """A standard deviation; zero by default."""
-    words = f"Standard deviation of the noise in {quantity}"
+def _imperfection(words: str, unit: str, most: float) -> Any:
+    """What is zero by default."""
     source = "chosen: the paper's simulation has perfect sensors"
     return parameter(0.0, words, unit=unit, source=source, ge=0, le=most, live=True)
+
+
+def _noise(quantity: str, unit: str, most: float) -> Any:
+    """A standard deviation; zero by default."""
+    return _imperfection(f"Standard deviation of the noise in {quantity}", unit, most)
 
 
 class NoiseConfig(ConfigModel):
@@ -409,6 +410,20 @@ class NoiseConfig(ConfigModel):
     joint_rate: Number = _noise("joint rates", "rad/s", 20)
     force: Number = _noise("forces at the wrists", "N", 1000)
     torque: Number = _noise("torques at the wrists", "N m", 1000)
+
+
+class ImperfectionsConfig(ConfigModel):
+    """What sensors get wrong beside noise (`sim.perception.imperfections`)."""
+
+    force_bias: Number = _imperfection(
+        "Standard deviation of the bias that taring leaves in a wrist's forces, drawn once by the seed", "N", 1000
+    )
+    torque_bias: Number = _imperfection("Likewise in its torque", "N m", 1000)
+    encoder_resolution: Number = _imperfection("Step of the joint encoders; 0: they have none", "rad", 0.1)
+    outliers: Number = _imperfection("Part of the pictures of motion capture in which a body is seen elsewhere", "1", 1)
+    outlier_distance: Number = parameter(
+        0.1, "How far elsewhere", unit="m", source="the emulated testbed", ge=0, le=10, live=True
+    )
 
 
 class Source(StrEnum):
@@ -430,6 +445,14 @@ class CaptureConfig(ConfigModel):
     dropouts: Number = parameter(
         0.005, "Part of the pictures in which a body is not seen", unit="1", source="the emulated testbed", ge=0, lt=1
     )
+    stamp_error: Number = parameter(
+        0.0,
+        "How much later than it was taken a picture's stamp says",
+        unit="s",
+        source="chosen: clocks that agree",
+        ge=-0.1,
+        le=0.1,
+    )
 
 
 class FilterConfig(ConfigModel):
@@ -437,6 +460,14 @@ class FilterConfig(ConfigModel):
 
     position: Number = parameter(3e-4, "Of a position", unit="m", source="chosen: 1.5 testbed's", gt=0, le=1)
     angle: Number = parameter(1.5e-3, "Of an angle", unit="rad", source="chosen: 1.5 testbed's", gt=0, le=3)
+    velocity: Number = parameter(
+        2e-3, "Of a velocity, where it is measured", unit="m/s", source="the couple's sample", gt=0, le=10
+    )
+    spin: Number = parameter(
+        0.02, "Of an angular velocity, where it is measured", unit="rad/s", source="the couple's sample", gt=0, le=20
+    )
+    force: Number = parameter(0.02, "Of a wrist's force", unit="N", source="the couple's sample", gt=0, le=100)
+    torque: Number = parameter(1e-3, "Of a wrist's torque", unit="N m", source="the couple's sample", gt=0, le=100)
     free_acceleration: Number = parameter(
         0.02, "Of a body that nothing touches", unit="m/s2", source="chosen: drag and tilt of a table", gt=0, le=100
     )
@@ -459,15 +490,53 @@ class FilterConfig(ConfigModel):
     )
 
 
+class Estimator(StrEnum):
+    """What is made of the readings before the controller gets them."""
+
+    NONE = "none"
+    """Nothing; pictures of motion capture are filtered as if nothing were known of the forces (the testbed's way)."""
+    MODEL_BASED = "model_based"
+    """Motion by a filter that knows momentum and felt forces, wrists tared and smoothed (`sim.perception.motion`)."""
+
+
 class PerceptionConfig(ConfigModel):
     """What the controller knows of robot and target (`sim.perception`)."""
 
     source: Source = parameter(
         Source.EVERY_TICK, "Where the motion of base and target comes from", unit="1", source="the paper's simulation"
     )
+    estimator: Estimator = parameter(
+        Estimator.NONE, "What is made of the readings", unit="1", source="the paper's simulation has perfect sensors"
+    )
     noise: NoiseConfig = NoiseConfig()
+    imperfections: ImperfectionsConfig = ImperfectionsConfig()
     capture: CaptureConfig = CaptureConfig()
     filter: FilterConfig = FilterConfig()
+    force_smoothing_time: Number = parameter(
+        4e-3,
+        "Time constant that the wrists' readings are smoothed with, by the model-based estimator",
+        unit="s",
+        source="chosen: a quarter of the time in which a hand yields",
+        ge=0,
+        le=1,
+    )
+    assumed_mass: Number = parameter(
+        2.34844, "The target's mass, as assumed beforehand", unit="kg", source="Table I", gt=1e-3, le=1e4
+    )
+    assumed_mass_uncertainty: Number = parameter(
+        0.3, "... and its standard deviation, relative", unit="1", source="the couple's sample", ge=0, le=1
+    )
+    assumed_inertia: Number = parameter(
+        9.32724e-3,
+        "The target's moment of inertia, as assumed beforehand",
+        unit="kg m2",
+        source="Table I",
+        gt=1e-8,
+        le=1e4,
+    )
+    assumed_inertia_uncertainty: Number = parameter(
+        0.3, "... and its standard deviation, relative", unit="1", source="the couple's sample", ge=0, le=1
+    )
     contact_threshold: Number = parameter(
         0.12,
         "Wrist force that counts as contact, until it falls under half of it; perfect sensors need none",
@@ -617,23 +686,6 @@ class MissionConfig(MethodGroups):
         return self
 
     @model_validator(mode="after")
-    def _the_stiffest_contact_is_resolved(self) -> Self:
-        if self.simulation.engine is not Engine.REDUCED:
-            return self
-        bounds = {kind: _longest_step(self, kind) for kind in _CONTACTS}
-        kind = min(bounds, key=lambda name: bounds[name])
-        step, bound = self.simulation.time_step, bounds[kind]
-        if step > bound:
-            stiffness, damping = (getattr(self.contact, name) for name in _CONTACTS[kind])
-            words = " and ".join(f"contact.{name}" for name in _CONTACTS[kind])
-            fraction = self.control.period / math.ceil(self.control.period / bound)
-            raise ValueError(
-                f"simulation.time_step = {step:g} s is too long for {words} = {stiffness:g} N/m and {damping:g} N s/m: "
-                f"the reduced plant is stable up to {bound:.3g} s, so take {fraction:.3g} or less"
-            )
-        return self
-
-    @model_validator(mode="after")
     def _pictures_arrive_while_they_are_remembered(self) -> Self:
         capture, period = self.perception.capture, self.control.period
         if self.perception.source is not Source.MOTION_CAPTURE:
@@ -651,61 +703,9 @@ class MissionConfig(MethodGroups):
             )
         return self
 
-    @property
-    def steps_per_tick(self) -> int:
-        """Physics steps in one control period."""
-        return round(self.control.period / self.simulation.time_step)
-
 
 _READ_BY_PYMUNK_ONLY = ("solver_iterations", "joint_error_time", "collision_slop")
 """Parameters of `simulation` that another engine would silently leave aside."""
-
-_CONTACTS: Mapping[str, tuple[str, str]] = {
-    "tip": ("stiffness", "damping"),
-    "solid": ("solid_stiffness", "solid_damping"),
-}
-"""Stiffness and damping of each kind of contact."""
-
-
-def _longest_step(config: MissionConfig, kind: str) -> float:
-    """The longest step [s] at which the reduced plant's contact with the lightest body is stable.
-
-    Velocity Verlet with damping at the predicted velocity is stable while k h^2 / 4 + c h < m, m the effective mass
-    of the contact. No joint makes a body lighter than it is by itself, so m is taken of bodies without joints.
-    """
-    stiffness, damping = (float(getattr(config.contact, name)) for name in _CONTACTS[kind])
-    bodies = _hand_bodies(config.robot) if kind == "tip" else _solid_bodies(config.robot)
-    target = config.target
-    of_target = 1.0 / target.mass + target.reach**2 / target.inertia
-    lightest = max(1.0 / mass + reach**2 / inertia for mass, inertia, reach in bodies) + of_target
-    return 2.0 * (math.sqrt(damping**2 + stiffness / lightest) - damping) / stiffness
-
-
-def _hand_bodies(robot: RobotConfig) -> list[tuple[float, float, float]]:
-    """Mass, inertia, and the farthest contact from the centre of mass, of the body that carries the tips."""
-    hand, link = robot.arm.hand, robot.arm.link_3
-    if robot.servo.hand_mount is HandMount.YIELDING:
-        ahead = max(hand.centre_of_mass, hand.centre_offset - hand.centre_of_mass)
-        return [(hand.mass, hand.inertia, math.hypot(hand.tip_offset, ahead))]
-    mass, hand_centre = hand.mass + link.mass, link.length + hand.centre_of_mass
-    centre = (link.mass * link.centre_of_mass + hand.mass * hand_centre) / mass
-    inertia = link.inertia + hand.inertia + link.mass * hand.mass / mass * (hand_centre - link.centre_of_mass) ** 2
-    reach = max(centre, math.hypot(hand.tip_offset, link.length + hand.centre_offset - centre))
-    return [(mass, inertia, reach)]
-
-
-def _solid_bodies(robot: RobotConfig) -> list[tuple[float, float, float]]:
-    """The same of every body that is solid."""
-    arm, base = robot.arm, robot.base
-    links = [arm.link_1, arm.link_2]
-    if robot.servo.hand_mount is HandMount.YIELDING:
-        links.append(arm.link_3)
-    corner = math.hypot(base.width / 2, base.depth / 2 + abs(base.centre_of_mass_ahead))
-    return [
-        (base.mass, base.inertia, corner),
-        *((it.mass, it.inertia, max(it.centre_of_mass, it.length - it.centre_of_mass)) for it in links),
-        *_hand_bodies(robot),
-    ]
 
 
 def parameters_of(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, Any]]:

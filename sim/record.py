@@ -3,19 +3,41 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
 
+from sim.compiled import FloatArray, compiled_inline
+from sim.parameters import Points
 from sim.schema_history import VERSION
 
 Record = Any
 """One element of a structured array: fields by name, in Python as `record["name"]`, compiled as `record.name`."""
 
 
+@compiled_inline
+def copy_vector(into: FloatArray, source: FloatArray) -> None:
+    """Copy an array of one axis: `into[:] = source` asks first whether both overlap, which takes longer."""
+    for place in range(into.shape[0]):
+        into[place] = source[place]
+
+
+@compiled_inline
+def copy_rows(into: FloatArray, source: FloatArray) -> None:
+    """Copy an array of two axes, as `copy_vector`."""
+    for row in range(into.shape[0]):
+        for place in range(into.shape[1]):
+            into[row, place] = source[row, place]
+
+
+@lru_cache
 def dtype_of(model: type[BaseModel]) -> np.dtype[Any]:
-    """The record type of a configuration model: floats, integers, choices as the order of their enum, nested models."""
+    """The record type of a configuration model: floats, integers, choices as the order of their enum, nested models.
+
+    Lists of points are left out: compiled code reads what is made of them (`sim.model.shape`).
+    """
     fields: list[tuple[str, Any]] = []
     for name in _names(model):
         annotation = model.model_fields[name].annotation
@@ -62,8 +84,8 @@ def _packed_dtype(values: Any) -> np.dtype[Any]:
 
 
 def _names(model: type[BaseModel]) -> list[str]:
-    """The fields that are numbers or choices; the version of their names is neither."""
-    return [name for name in model.model_fields if name != VERSION]
+    """The fields that are numbers, choices or groups; the version of the parameters' names is none of them."""
+    return [name for name, field in model.model_fields.items() if name != VERSION and field.annotation != Points]
 
 
 def _values(model: BaseModel) -> tuple[Any, ...]:

@@ -95,8 +95,29 @@ class ArmState(FrozenMessage):
     desired_hand_twist: Vector3 = Field(description="[m/s, rad/s]")
     hand_wrench: Vector3 = Field(description="Target on hand, about the hand centre [N, N m]")
     tip_force: tuple[Vector2, Vector2] = Field(description="Target on each tip [N]")
+    wanted_force: float = Field(
+        description="That the hand should press with [N]; 0 where its motion is what is wanted, or the method has none"
+    )
     in_contact: bool
     manipulability: float = Field(description="Volume of the hand-velocity ellipsoid [m2]")
+
+
+class TargetEstimate(FrozenMessage):
+    """What the model-based estimator believes of the target, with standard deviations."""
+
+    inertia: float = Field(description="About its centre of mass [kg m2]")
+    inertia_deviation: float = Field(description="[kg m2]")
+    twist_deviation: Vector3 = Field(description="Of its perceived twist [m/s, rad/s]")
+
+
+class Prediction(FrozenMessage):
+    """What a method expects of the plan under way, rolled out to the closed cage."""
+
+    until: float = Field(description="The cage will be closed [s]")
+    force: float = Field(description="That each hand will press with while braking [N]; 0: no braking touch")
+    base_rotation: float = Field(description="Largest, from here on [rad]")
+    manipulability: float = Field(description="Least of both arms [m2]")
+    clearance: float | None = Field(description="Least, of tips that should not touch [m]; null: none comes near")
 
 
 class Plan(FrozenMessage):
@@ -107,6 +128,7 @@ class Plan(FrozenMessage):
     left: list[Vector3] = Field(description="Left hand's poses; empty if it is idle")
     right: list[Vector3] = Field(description="Right hand's poses; empty if it is idle")
     target_at_end: Vector3 = Field(description="Predicted target pose at the end of the plan [m, rad]")
+    predicted: Prediction | None = Field(description="Null where the method does not roll its plans out")
 
 
 class Condition(FrozenMessage):
@@ -158,6 +180,8 @@ class Snapshot(FrozenMessage):
     target: BodyState
     left: ArmState
     right: ArmState
+    target_estimate: TargetEstimate | None = Field(description="Null where nothing is estimated")
+    trouble: str = Field(description="Why the sequence was last broken off or found no plan; empty: it was not")
     spin: float = Field(description="Target's angular velocity [rad/s]")
     spin_threshold: float | None = Field(description="Below it caging may begin [rad/s]; null: at any spin")
     drift: float = Field(description="Speed of the target's centre [m/s]")

@@ -23,12 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import ArmConfig, MissionConfig
 from sim.model.clearance import hand_outline
-from sim.model.planar import cross, rotated
+from sim.model.planar import cross, direction, rotated
 from sim.model.robot import JOINTS, RobotModel
-from sim.model.shape import Shape, signed_distance
+from sim.model.shape import Shape, signed_distance, surface
 from sim.model.target import target_shape
 from sim.record import packed
 
@@ -47,7 +47,7 @@ class Cage(NamedTuple):
     """How far the hands' surfaces would at least have to give way to let it out [m]; not positive if it is free."""
 
 
-@compiled
+@compiled_inline
 def tips_enclose(robot: RobotModel, shape: Shape, hand_pose: FloatArray, target_pose: FloatArray) -> bool:
     """Whether the tips close around the target at its present angle, its centre inside.
 
@@ -64,42 +64,111 @@ def tips_enclose(robot: RobotModel, shape: Shape, hand_pose: FloatArray, target_
         target_pose: shape (3,), world.
 
     """
-    apart = math.hypot(hand_pose[1, 0] - hand_pose[0, 0], hand_pose[1, 1] - hand_pose[0, 1])
-    if apart > 2.0 * (shape.corner_circle + robot.tip_radius + robot.tip_offset):  # no tips of two hands can overlap
+    apart_x, apart_y = hand_pose[1, 0] - hand_pose[0, 0], hand_pose[1, 1] - hand_pose[0, 1]
+    overlapping = 2.0 * (shape.corner_circle + robot.tip_radius + robot.tip_offset)
+    if apart_x * apart_x + apart_y * apart_y > overlapping * overlapping:  # no tips of two hands can overlap
         return False
-    way = _way_around(robot, hand_pose, target_pose)
-    for tip in (0, 3, 4, 7):
-        if signed_distance(shape, way[tip, 0], way[tip, 1]) <= robot.tip_radius:
-            return False
-    for tip, opposite in ((3, 4), (7, 0)):
-        x, y = 0.5 * (way[opposite, 0] - way[tip, 0]), 0.5 * (way[opposite, 1] - way[tip, 1])
-        if max(signed_distance(shape, x, y), signed_distance(shape, -x, -y)) > robot.tip_radius:
-            return False
-    winding = 0.0
-    for place in range(8):
-        x, y = way[place, 0], way[place, 1]
-        next_x, next_y = way[(place + 1) % 8, 0], way[(place + 1) % 8, 1]
-        winding += math.atan2(cross(x, y, next_x, next_y), x * next_x + y * next_y)
-    return bool(abs(winding) > math.pi)
+    return _tips_surround(robot, shape, hand_pose, target_pose)
 
 
 @compiled
-def _way_around(robot: RobotModel, hand_pose: FloatArray, target_pose: FloatArray) -> FloatArray:
-    """Along the left hand from tip to tip, then along the right, in the target's frame [m], shape (8, 2).
+def _tips_surround(robot: RobotModel, shape: Shape, hand_pose: FloatArray, target_pose: FloatArray) -> bool:
+    """`tips_enclose` of hands that are near enough to each other."""
+    left, right = _way_along(robot, hand_pose[0], target_pose), _way_along(robot, hand_pose[1], target_pose)
+    for x, y in (left[0], left[3], right[0], right[3]):
+        if signed_distance(shape, x, y) <= robot.tip_radius:
+            return False
+    windings = 0
+    for tip, opposite in ((left[3], right[0]), (right[3], left[0])):
+        barred, x, y = barred_by_both(shape, robot.tip_radius, tip[0], tip[1], opposite[0], opposite[1])
+        if not barred:
+            return False
+        windings += _crossing(tip, (x, y)) + _crossing((x, y), opposite)
+    for place in range(3):
+        windings += _crossing(left[place], left[place + 1]) + _crossing(right[place], right[place + 1])
+    return windings != 0
+
+
+_Point = tuple[float, float]
+
+
+@compiled
+def _crossing(start: _Point, end: _Point) -> int:
+    """Whether a straight way crosses the half line from the origin along +x: upwards 1, downwards -1, else 0."""
+    upwards = start[1] <= 0.0
+    if upwards == (end[1] <= 0.0):
+        return 0
+    turn = cross(start[0], start[1], end[0], end[1])
+    if upwards:
+        return 1 if turn > 0.0 else 0
+    return -1 if turn < 0.0 else 0
+
+
+@compiled
+def barred_by_both(
+    shape: Shape, radius: float, x: float, y: float, other_x: float, other_y: float
+) -> tuple[bool, float, float]:
+    """Whether two tips bar the target's centre from a common place, and that place [m]; all in the target's axes.
+
+    The middle between the tips is such a place, if any is, of a shape that is the same after half a turn. Of another
+    shape the regions are two polygons, turned by half a turn about the tips, and rounded: they overlap if a corner of
+    one is near enough to the other, and then halfway between. (If two polygons of one shape and attitude overlap, one
+    has a corner in the other; if not, a corner is as near as any of their points.)
+
+    Args:
+        shape: of the target.
+        radius: of the tips [m].
+        x: of a tip [m].
+        y: likewise.
+        other_x: of the other tip [m].
+        other_y: likewise.
+
+    """
+    between_x, between_y = 0.5 * (x + other_x), 0.5 * (y + other_y)
+    half_x, half_y = 0.5 * (other_x - x), 0.5 * (other_y - y)
+    if max(signed_distance(shape, half_x, half_y), signed_distance(shape, -half_x, -half_y)) <= radius:
+        return True, between_x, between_y
+    halves = math.pi / shape.symmetry_angle if shape.symmetry_angle > 0.0 else 1.0
+    if abs(halves - math.floor(halves + 0.5)) < 1e-9:
+        return False, 0.0, 0.0
+    nearest, aside_x, aside_y = 2.0 * (radius + shape.rounding), math.nan, math.nan
+    for sign in (-1.0, 1.0):
+        for corner in range(shape.corners):
+            from_x, from_y = shape.vertices[corner, 0], shape.vertices[corner, 1]
+            gap, normal_x, normal_y = surface(shape, from_x - 2.0 * sign * half_x, from_y - 2.0 * sign * half_y)
+            gap = max(gap + shape.rounding, 0.0)
+            if gap <= nearest:
+                nearest = gap
+                aside_x, aside_y = sign * half_x - from_x, sign * half_y - from_y
+                aside_x, aside_y = aside_x + 0.5 * gap * normal_x, aside_y + 0.5 * gap * normal_y
+    return not math.isnan(aside_x), between_x + aside_x, between_y + aside_y
+
+
+@compiled
+def _way_along(
+    robot: RobotModel, hand_pose: FloatArray, target_pose: FloatArray
+) -> tuple[_Point, _Point, _Point, _Point]:
+    """Along a hand from tip to tip, in the target's frame [m].
 
     The hands face each other, so that the second tip of one is beside the first of the other.
     """
-    way = np.empty((8, 2))
     half, depth = robot.tip_offset, robot.link_length[JOINTS]
-    cosine, sine = math.cos(target_pose[2]), math.sin(target_pose[2])
-    for arm in range(2):
-        c, s = math.cos(hand_pose[arm, 2]), math.sin(hand_pose[arm, 2])
-        for place in range(4):
-            x, y = half if place > 1 else -half, 0.0 if place in {0, 3} else -depth
-            dx = hand_pose[arm, 0] + (c * x - s * y) - target_pose[0]
-            dy = hand_pose[arm, 1] + (s * x + c * y) - target_pose[1]
-            way[4 * arm + place, 0], way[4 * arm + place, 1] = cosine * dx + sine * dy, -sine * dx + cosine * dy
-    return way
+    from_target = hand_pose[0] - target_pose[0], hand_pose[1] - target_pose[1]
+    cosine, sine = direction(target_pose[2])
+    c, s = direction(hand_pose[2])
+    return (
+        _placed(from_target, c, s, cosine, sine, -half, 0.0),
+        _placed(from_target, c, s, cosine, sine, -half, -depth),
+        _placed(from_target, c, s, cosine, sine, half, -depth),
+        _placed(from_target, c, s, cosine, sine, half, 0.0),
+    )
+
+
+@compiled
+def _placed(origin: _Point, c: float, s: float, cosine: float, sine: float, x: float, y: float) -> _Point:
+    """A hand's point (x, y) in the target's frame: the hand's origin from the target's, and their axes in the world."""
+    dx, dy = origin[0] + (c * x - s * y), origin[1] + (s * x + c * y)
+    return cosine * dx + sine * dy, -sine * dx + cosine * dy
 
 
 def cage(config: MissionConfig, hand_pose: FloatArray, target_pose: FloatArray) -> Cage:
@@ -138,14 +207,32 @@ def _hand_discs(arm: ArmConfig, hand_pose: FloatArray) -> FloatArray:
 
 
 @compiled
-def _clearance(discs: FloatArray, shape: Shape, x: float, y: float, angle: float) -> float:
-    """Smallest distance [m] of the target at (x, y, angle) from the discs; negative where they overlap."""
-    c, s = math.cos(angle), math.sin(angle)
-    smallest = math.inf
-    for disc in discs:
-        dx, dy = disc[0] - x, disc[1] - y
-        smallest = min(smallest, signed_distance(shape, c * dx + s * dy, -s * dx + c * dy) - disc[2])
-    return smallest
+def _clearance(
+    discs: FloatArray, shape: Shape, x: float, y: float, c: float, s: float, nearest: int
+) -> tuple[float, int]:
+    """Smallest distance [m] of the target from the discs, and of which disc; negative where they overlap.
+
+    Args:
+        discs: (x, y, radius) [m], shape (n, 3).
+        shape: of the target.
+        x: of its centre [m].
+        y: likewise.
+        c: cosine of its angle.
+        s: its sine.
+        nearest: the disc that is looked at first: the nearer it is, the fewer of the others are.
+
+    """
+    dx, dy = discs[nearest, 0] - x, discs[nearest, 1] - y
+    first = nearest
+    smallest: float = signed_distance(shape, c * dx + s * dy, c * dy - s * dx) - discs[nearest, 2]
+    for place in range(discs.shape[0]):
+        dx, dy = discs[place, 0] - x, discs[place, 1] - y
+        within = smallest + shape.corner_circle + discs[place, 2]  # farther away than that, it cannot be smaller
+        if within > 0.0 and dx * dx + dy * dy < within * within and place != first:
+            away = signed_distance(shape, c * dx + s * dy, c * dy - s * dx) - discs[place, 2]
+            if away < smallest:
+                smallest, nearest = away, place
+    return smallest, nearest
 
 
 @compiled
@@ -158,23 +245,28 @@ def _clearance_on_the_way_out(
     """
     n = 2 * math.ceil(reach / step) + 1
     turn = shape.symmetry_angle / turns
+    cosine, sine = np.empty(turns), np.empty(turns)
+    for k in range(turns):
+        cosine[k], sine[k] = direction(k * turn)
     i, j = round(start[0] / step) + n // 2, round(start[1] / step) + n // 2
     k = round((start[2] % shape.symmetry_angle) / turn) % turns if turn > 0.0 else 0
-    visited = np.zeros((turns, n, n), np.bool_)
-    visited[k, i, j] = True
-    heap = [(-_clearance(discs, shape, (i - n // 2) * step, (j - n // 2) * step, k * turn), k, i, j)]
+    visited = np.zeros((n, n, turns), np.bool_)  # a way out of a cage turns more than it moves
+    visited[i, j, k] = True
+    free, nearest = _clearance(discs, shape, (i - n // 2) * step, (j - n // 2) * step, cosine[k], sine[k], 0)
+    heap = [(-free, k, i, j, nearest)]
     rising, worst = True, math.inf
     while len(heap) > 0:
-        negative, k, i, j = heappop(heap)
+        negative, k, i, j, nearest = heappop(heap)
         if i in (0, n - 1) or j in (0, n - 1):
             return worst
         before = len(heap)
         for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
             a, b, c = i + di, j + dj, (k + dk) % turns
-            if not visited[c, a, b]:
-                visited[c, a, b] = True
-                free = _clearance(discs, shape, (a - n // 2) * step, (b - n // 2) * step, c * turn)
-                heappush(heap, (-free, c, a, b))
+            if not visited[a, b, c]:
+                visited[a, b, c] = True
+                x, y = (a - n // 2) * step, (b - n // 2) * step
+                free, there = _clearance(discs, shape, x, y, cosine[c], sine[c], nearest)
+                heappush(heap, (-free, c, a, b, there))
         # A target that still presses on a tip first rises to the clearest place nearby: that is not a way out.
         if rising and (len(heap) == before or heap[0][0] >= negative):
             rising = False

@@ -8,10 +8,13 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
+from sim.capture.tick import TICK
+from sim.compiled import compiled_inline
 from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import Cause, LinkLost, PlantError
 from sim.method.method import Words, method_of
+from sim.record import Record
 from sim.snapshot import FrozenMessage, Outcome, OutcomeClass, Touch
 
 Severity = Literal["info", "warning", "error"]
@@ -25,7 +28,7 @@ class Event(FrozenMessage):
     tick: int
     kind: str = Field(
         description="phase, plan, touch, touch_end, spin_threshold, closed, locked, verdict, solid_contact, "
-        "base_overlap, rate_limit, manipulability, command, config, fault or link"
+        "base_overlap, rate_limit, trouble, manipulability, command, config, fault, link or import"
     )
     severity: Severity
     message: str
@@ -47,6 +50,23 @@ _FLAGS = (
     _Flag("rate_limited", "rate_limit", "warning", "Joint rates are at their limit: an arm is near a singularity"),
 )
 
+
+def _noted_bytes() -> tuple[int, int]:
+    """Where in a tick all fields begin and end whose changes are events."""
+    assert TICK.fields is not None
+    places = [TICK.fields[name] for name in ("phase", "plan", "trouble", *(flag.field for flag in _FLAGS))]
+    return min(place[1] for place in places), max(place[1] + place[0].itemsize for place in places)
+
+
+_NOTED = slice(*_noted_bytes())
+
+
+def _noted(ticks: Ticks) -> Ticks:
+    """Those bytes of ticks, shape (ticks, bytes)."""
+    noted: Ticks = np.ascontiguousarray(ticks).view(np.uint8).reshape(len(ticks), TICK.itemsize)[:, _NOTED]
+    return noted
+
+
 _PHASE_MESSAGES = {
     Phase.IDLE: "Idle",
     Phase.HOLDING: "Joint rates are zero: the arms hold",
@@ -60,10 +80,28 @@ def events_of(ticks: Ticks, before: Ticks, config: MissionConfig) -> list[Event]
     span = _Span(ticks, before)
     method = method_of(config)
     threshold = method.spin_threshold(config)
-    events = [*_phase_events(span, method.words), *_plan_events(span, method.words), *_flag_events(span)]
+    events: list[Event] = []
+    if not span.is_uneventful():
+        events = [*_phase_events(span, method.words), *_plan_events(span, method.words), *_flag_events(span)]
+        events += _trouble_events(span, method.words)
     if threshold is not None:
         events += _spin_events(span, threshold)
     return sorted(events, key=lambda event: event.tick)
+
+
+@compiled_inline
+def has_event(before: Record, row: Record, spin_threshold: float) -> bool:
+    """Whether `events_of` may find an event in this tick: the same quantities, looked at in compiled code."""
+    return bool(
+        row.phase != before.phase
+        or row.plan != before.plan
+        or row.trouble != before.trouble
+        or row.solid_contact != before.solid_contact
+        or row.base_overlap != before.base_overlap
+        or row.rate_limited != before.rate_limited
+        or (abs(row.target_perceived_twist[2]) < spin_threshold)
+        != (abs(before.target_perceived_twist[2]) < spin_threshold)
+    )
 
 
 class _Span(NamedTuple):
@@ -75,6 +113,10 @@ class _Span(NamedTuple):
     def values(self, field: str) -> Ticks:
         """A field of the tick before and of all ticks."""
         return np.concatenate([self.before[field], self.ticks[field]])
+
+    def is_uneventful(self) -> bool:
+        """Whether no field that makes an event changes: one look at the few bytes that have them all."""
+        return bool((_noted(self.ticks) == _noted(self.before)).all())
 
     def event(self, place: int, kind: str, severity: Severity, message: str) -> Event:
         """An event at one of the ticks."""
@@ -99,6 +141,13 @@ def _plan_events(span: _Span, words: Words) -> Iterator[Event]:
         what = words.plan.get(int(span.ticks["activity"][place]))
         if what:
             yield span.event(place, "plan", "info", what)
+
+
+def _trouble_events(span: _Span, words: Words) -> Iterator[Event]:
+    for place in _changes(span.values("trouble")):
+        what = words.trouble.get(int(span.ticks["trouble"][place]))
+        if what:
+            yield span.event(place, "trouble", "warning", f"{what[:1].upper()}{what[1:]}")
 
 
 def _flag_events(span: _Span) -> Iterator[Event]:

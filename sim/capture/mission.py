@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -24,49 +25,73 @@ from sim.capture.events import (
     touch_event,
     verdict_event,
 )
-from sim.capture.monitor import (
-    MONITOR,
-    begin_monitoring,
-    outcome_of,
-    touches_of,
-    watch,
-)
+from sim.capture.monitor import begin_monitoring, outcome_of, touches_of
+from sim.capture.refusal import refusal
 from sim.capture.snapshots import Flown, snapshot_of
 from sim.capture.stages import Visit, visits_after
 from sim.capture.tick import TICK
-from sim.capture.tick_loop import control_tick, fly, follow, know, recall, write_tick
+from sim.capture.tick_loop import FLIGHT, Flight, control_tick, fly, fly_unrecorded, follow, look, recall
+from sim.compiled import compiling_alone
 from sim.config import Engine, MissionConfig, differences, is_live
-from sim.configurations import require_clear_start, require_shape_for_method, revised
-from sim.control.memory import MEMORY
+from sim.configurations import require_clear_start, require_shape_for_method
 from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
 from sim.errors import MissionRefused, PlantDiverged, PlantError
-from sim.method.method import begin_sequence, enter_phase, method_of
+from sim.method.method import MethodHandle, begin_sequence, enter_phase, method_of
+from sim.method.registry import MethodName
 from sim.model.clearance import shapes_of
-from sim.model.robot import chain, robot_model
-from sim.perception.perceived import PERCEIVED, Perceived
+from sim.model.robot import robot_model
+from sim.perception.perceived import PERCEIVED
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import Plant, copy_state, diverged_at
-from sim.record import Record, record_of
+from sim.record import Record, packed, record_of
 from sim.snapshot import Outcome, Snapshot, Touch
 
+_prepared: set[tuple[Engine, MethodName, bool]] = set()
+_preparing = threading.Lock()
 
-def prepare(engine: Engine = Engine.PYMUNK) -> None:
-    """Compile all that a mission in that engine runs (half a minute at the first start; cached on disk afterwards)."""
-    mission = Mission(revised(MissionConfig(), {"simulation": {"engine": engine.value}}))
-    mission.request(Command.DIRECT_CAGE)
-    mission.advance(2)
+
+def prepare(config: MissionConfig, *, recorded: bool = True) -> None:
+    """Compile all that a simulated mission so configured runs: a minute or so once, cached on disk afterwards.
+
+    Of processes, or threads, that do so at once, one compiles; what has been prepared in this process takes no time.
+
+    Args:
+        config: of the mission; its engine and its method decide what is compiled.
+        recorded: whether its ticks are kept; those of a study's cells are not.
+
+    Raises:
+        ConfigError: as `Mission`.
+
+    """
+    what = (config.simulation.engine, config.method, recorded)
+    with _preparing:
+        if what not in _prepared:
+            with compiling_alone():
+                _fly_a_little(config, recorded=recorded)
+            _prepared.add(what)
+
+
+def _fly_a_little(config: MissionConfig, *, recorded: bool) -> None:
+    mission = Mission(config)
+    mission.request(Command.CAPTURE)
+    if recorded:
+        mission.advance(2)
+    else:
+        mission.advance_unrecorded(2)
     mission.cage()
 
 
+_MOST_KEPT = 64
+"""Rows of a flight that is not recorded, before its events are read from them."""
+
+
 class Mark(NamedTuple):
-    """Where a mission that follows a recording was."""
+    """Where a mission was: all but the plant, of which only what it last reported."""
 
     config: MissionConfig
-    memory: Record
+    flight: Flight
     own: np.ndarray[Any, np.dtype[Any]]
-    monitor: Record
     state: Record
-    known: Perceived
     last: Ticks
     outcome: Outcome | None
     touches: tuple[Touch, ...]
@@ -91,17 +116,18 @@ class Mission:
             require_clear_start(config)
         self.config = config
         self._plant = simulated_plant(config) if plant is None else plant
-        self._robot, self._shapes = robot_model(config.robot), shapes_of(config)
-        self._parameters: Record = record_of(config)
         self._fault: PlantError | None = None
+        self._flight = np.zeros(1, FLIGHT)
+        self._flight["robot"], self._flight["shapes"] = packed(robot_model(config.robot)), shapes_of(config)
+        self._kept = np.zeros(_MOST_KEPT, TICK)
+        self._memory: Record = self._flight[0]["memory"]
+        self._monitor: Record = self._flight[0]["monitor"]
+        self._known: Record = self._flight[0]["known"]
         self.method = method_of(config)
         self._own = np.zeros(1, self.method.memory)
-        self._method_handle = self.method.handle(config, self._own)
-        self._memory: Record = np.zeros(1, MEMORY)[0]
+        self._adopt(config)
         begin_sequence(self._method_handle, self._memory, int(Phase.IDLE), int(Sequence.NONE))
-        self._monitor: Record = np.zeros(1, MONITOR)[0]
         self._monitor["begun_at"] = math.nan
-        self._known = np.zeros(1, PERCEIVED)
         self._monitor["open_touch"] = -1
         self._last = self._start()
         self._touches: list[Touch] = []
@@ -140,6 +166,11 @@ class Mission:
         """How the last sequence ended; None before its verdict."""
         return self._outcome
 
+    @property
+    def monitor(self) -> Record:
+        """What has been noted of the last sequence until now, one element of `MONITOR`: a copy."""
+        return self._monitor.copy()
+
     def request(self, command: Command) -> None:
         """Grant an operator's request from the next tick on.
 
@@ -149,7 +180,7 @@ class Mission:
         """
         phase, sequence = next_phase(self.phase, command, self.method.commands)
         if self.activity == AT_REST and self.phase not in (Phase.DETUMBLING, Phase.CAGING):
-            self._known[:] = np.zeros(1, PERCEIVED)  # ticks at rest are not recorded, and a replay must know the same
+            self._flight["known"] = np.zeros(1, PERCEIVED)  # ticks at rest are not recorded: a replay knows none
         begin_sequence(self._method_handle, self._memory, int(phase), int(sequence))
         if sequence is not Sequence.NONE:
             begin_monitoring(self._monitor, self.time, self._plant.state["momentum"])
@@ -157,6 +188,10 @@ class Mission:
             self._touches = []
             self._visits = self._visits[-1:]
             self._announced = set()
+
+    def refusal(self, command: Command, *, on_robot: bool) -> str:
+        """Why a command cannot end well as things stand, with numbers; empty if it can. `request` does not ask."""
+        return refusal(command, self.config, self.flown().row, on_robot=on_robot)
 
     def stop(self) -> None:
         """Joint rates zero from the next tick on; granted in every phase."""
@@ -192,59 +227,61 @@ class Mission:
         """
         if self._fault is not None:
             raise self._fault
-        rows = np.zeros(ticks, TICK)
-        flown = self._fly(rows) if self._plant.handle is not None else self._advance_paced(rows)
+        rows = np.empty(ticks, TICK)
+        flown, self._fault = _flown(self._plant, self._method_handle, self._flight, rows)
         rows = rows[:flown]
         if flown:
             self._announce(rows)
+        self._end_if_faulted()
+        return rows
+
+    def advance_unrecorded(
+        self, ticks: int, *, every: int = 0, on_kept: Callable[[Ticks], None] = lambda _: None
+    ) -> int:
+        """Fly as `advance` does, and as far, but keep no rows: what a tick costs less is what those cost.
+
+        Args:
+            ticks: to fly at most.
+            every: rows of ticks that are a multiple of this are kept all the same; 0 for none.
+            on_kept: called with what is kept of the ticks, consecutive arrays of `TICK` with gaps: those rows, and
+                others; they are overwritten afterwards.
+
+        Returns:
+            How many ticks were flown.
+
+        Raises:
+            PlantError: as `advance`.
+
+        """
+        if self._fault is not None:
+            raise self._fault
+        plant, threshold = self._plant, self.method.spin_threshold(self.config)
+        if plant.handle is None:
+            return len(self.advance(ticks))
+        total, finite, over = 0, True, False
+        kept_rows = self._kept if every == 0 else np.empty(_MOST_KEPT + ticks // every, TICK)
+        while finite and not over and total < ticks:
+            flown, kept, finite, over = fly_unrecorded(
+                plant.handle,
+                self._method_handle,
+                self._flight,
+                plant.state,
+                ticks - total,
+                math.nan if threshold is None else threshold,
+                every,
+                kept_rows,
+            )
+            total += flown
+            self._fault = None if finite else _diverged(plant)
+            self._announce(kept_rows[:kept])
+            on_kept(kept_rows[:kept])
+        self._end_if_faulted()
+        return total
+
+    def _end_if_faulted(self) -> None:
         if self._fault is not None:
             enter_phase(self._memory, int(Phase.FAULTED), AT_REST, int(Sequence.NONE))
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
-        return rows
-
-    def _fly(self, rows: Ticks) -> int:
-        """How many of the rows were flown with a plant that compiled code steps."""
-        plant = self._plant
-        flown, finite = fly(
-            plant.handle,
-            self._method_handle,
-            self._robot,
-            self._shapes,
-            self._parameters,
-            self._memory,
-            self._monitor,
-            plant.state,
-            self._known,
-            rows,
-        )
-        if not finite:
-            self._fault = PlantDiverged(diverged_at(self.time), tip="reset the mission")
-        return flown
-
-    def _advance_paced(self, rows: Ticks) -> int:
-        """How many of the rows were flown with a plant that keeps its own time."""
-        plant = self._plant
-        for place in range(len(rows)):
-            try:
-                plant.observe()
-                over = control_tick(
-                    self._method_handle,
-                    self._robot,
-                    self._shapes,
-                    self._parameters,
-                    self._memory,
-                    self._monitor,
-                    plant.state,
-                    self._known,
-                    rows[place],
-                )
-                plant.apply_joint_rates(self._memory["commanded_joint_rate"])
-            except PlantError as error:
-                self._fault = error
-                return place
-            if over:
-                return place + 1
-        return len(rows)
 
     def recall(self, row: Any) -> None:
         """Take a recorded tick, one element of `TICK`, in place of the plant's state; such a mission never flies."""
@@ -255,31 +292,18 @@ class Mission:
         rows = np.zeros(len(recorded), TICK)
         done = 0
         while done < len(rows):
-            followed = follow(
-                self._method_handle,
-                self._robot,
-                self._shapes,
-                self._parameters,
-                self._memory,
-                self._monitor,
-                self._plant.state,
-                self._known,
-                recorded[done:],
-                rows[done:],
-            )
+            followed = follow(self._method_handle, self._flight, self._plant.state, recorded[done:], rows[done:])
             self._announce(rows[done : done + followed])
             done += followed
         return rows
 
     def mark(self) -> Mark:
-        """Where a mission that follows a recording is now; `go_back` returns to it: a plant cannot go back."""
+        """Where the mission is now; one that follows a recording can `go_back` there, another mission `take_over`."""
         return Mark(
             self.config,
-            self._memory.copy(),
+            self._flight.copy(),
             self._own.copy(),
-            self._monitor.copy(),
             self._plant.state.copy(),
-            self._known.copy(),
             self._last,
             self._outcome,
             tuple(self._touches),
@@ -292,13 +316,25 @@ class Mission:
         if mark.config is not self.config:
             self.config = mark.config
             self._adopt(mark.config)
-        self._memory, self._monitor, self._known = mark.memory.copy(), mark.monitor.copy(), mark.known.copy()
-        self._own[:] = mark.own
+        self._flight[:], self._own[:] = mark.flight, mark.own
         copy_state(self._plant.state, mark.state)
         self._last, self._outcome = mark.last, mark.outcome
         self._touches, self._announced = list(mark.touches), set(mark.announced)
         self._visits = list(mark.visits)
         self._events = []
+
+    def take_over(self, mark: Mark) -> None:
+        """Go on with what another mission remembered at that mark: sequence, beliefs, what was noted of the capture.
+
+        Configuration and plant stay this mission's own. Of another method, the next request begins with its memory.
+        """
+        for field in ("memory", "monitor", "known"):
+            self._flight[field] = mark.flight[field]
+        if mark.config.method == self.config.method:
+            self._own[:] = mark.own
+        self._last, self._outcome = mark.last, mark.outcome
+        self._touches, self._announced = list(mark.touches), set(mark.announced)
+        self._visits = list(mark.visits)
 
     def tick(self) -> Any:
         """Fly one control tick; its record, one element of `TICK`."""
@@ -314,30 +350,25 @@ class Mission:
         row = self._last[-1]
         return cage(self.config, row["hand_pose"], row["target_pose"])
 
-    def snapshot(self, phase: Phase | None = None) -> Snapshot:
-        """The snapshot of the last tick; before the first tick, of the start.
+    def snapshot(self) -> Snapshot:
+        """The snapshot of the last tick; before the first tick, of the start."""
+        flown = self.flown()
+        return snapshot_of(flown, Phase(int(flown.row["phase"])), self.phase)
 
-        Args:
-            phase: what the mission is in by now, if the last tick does not show it yet.
-
-        """
-        row = self._last[-1]
-        flown = Flown(self.config, row, self._monitor, self._memory, self._visits, self._outcome)
-        return snapshot_of(flown, Phase(int(row["phase"])) if phase is None else phase, self.phase)
+    def flown(self) -> Flown:
+        """What a snapshot of the last tick is made of; it stays as it is while the mission flies on."""
+        monitor, memory = self._monitor.copy(), self._memory.copy()
+        return Flown(self.config, self._last[-1], monitor, memory, tuple(self._visits), self._outcome)
 
     def _adopt(self, config: MissionConfig) -> None:
-        self._parameters = record_of(config)
+        self._flight["parameters"] = record_of(config)
         self._method_handle = self.method.handle(config, self._own)
 
     def _start(self) -> Ticks:
         """The state before the first tick, as one row of `TICK`; nothing is flown."""
-        rows = np.zeros(1, TICK)
-        state, robot = self._plant.state, self._robot
-        links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        watch(self._monitor, self._memory, self._parameters, robot, self._shapes, state, links)
-        belief = self._known.copy()[0]  # the first tick perceives this state, and remembers it
-        know(belief, self._parameters, robot, self._shapes, state, links, self._monitor["closed"])
-        write_tick(rows[0], self._memory, self._monitor, state, links, belief)
+        rows, known = np.zeros(1, TICK), self._known.copy()
+        look(self._flight, self._plant.state, rows[0])
+        self._flight["known"] = known  # the first tick perceives this state, and remembers it
         return rows
 
     def _announce(self, rows: Ticks) -> None:
@@ -347,6 +378,18 @@ class Mission:
         self._last = rows[-1:].copy()
         if math.isnan(self._monitor["begun_at"]):
             return
+        self._announce_touches()
+        self._announce_once("closed_at", closed_event)
+        self._announce_once("locked_at", locked_event)
+        if self._outcome is None and self._monitor["verdict"] != Verdict.NONE:
+            self._outcome = outcome_of(self._monitor, self.config, float(rows[-1]["target_twist"][2]), self.cage())
+            at = float(self._monitor["verdict_at"])
+            self._events.append(verdict_event(self._outcome, at, self.config.control.period))
+
+    def _announce_touches(self) -> None:
+        """Events of the touches that have begun or ended since the last call."""
+        if not self._monitor["touch_count"]:
+            return
         period = self.config.control.period
         touches = touches_of(self._monitor)
         for place, touch in enumerate(touches):
@@ -355,11 +398,6 @@ class Mission:
             if touch.end is not None and (place >= len(self._touches) or self._touches[place].end is None):
                 self._events.append(touch_event(touch, period))
         self._touches = touches
-        self._announce_once("closed_at", closed_event)
-        self._announce_once("locked_at", locked_event)
-        if self._outcome is None and self._monitor["verdict"] != Verdict.NONE:
-            self._outcome = outcome_of(self._monitor, self.config, float(rows[-1]["target_twist"][2]), self.cage())
-            self._events.append(verdict_event(self._outcome, float(self._monitor["verdict_at"]), period))
 
     def _announce_once(self, field: str, event: Callable[[float, float], Event]) -> None:
         """The event of a noted instant [s], the first time that it is there."""
@@ -367,3 +405,29 @@ class Mission:
         if not math.isnan(instant) and field not in self._announced:
             self._announced.add(field)
             self._events.append(event(instant, self.config.control.period))
+
+
+def _flown(plant: Plant, method: MethodHandle, flight: Flight, rows: Ticks) -> tuple[int, PlantError | None]:
+    """How many of the rows were flown, and why the plant can no longer be trusted, if so."""
+    if plant.handle is None:
+        return _flown_paced(plant, method, flight, rows)
+    flown, finite = fly(plant.handle, method, flight, plant.state, rows)
+    return flown, None if finite else _diverged(plant)
+
+
+def _flown_paced(plant: Plant, method: MethodHandle, flight: Flight, rows: Ticks) -> tuple[int, PlantError | None]:
+    """The same with a plant that keeps its own time."""
+    for place in range(len(rows)):
+        try:
+            plant.observe()
+            over = control_tick(method, flight, plant.state, rows[place])
+            plant.apply_joint_rates(flight[0]["memory"]["commanded_joint_rate"])
+        except PlantError as error:
+            return place, error
+        if over:
+            return place + 1, None
+    return len(rows), None
+
+
+def _diverged(plant: Plant) -> PlantDiverged:
+    return PlantDiverged(diverged_at(float(plant.state["time"])), tip="reset the mission")

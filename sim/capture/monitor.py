@@ -12,21 +12,28 @@ import numpy as np
 
 from sim.capture.caging import Cage, tips_enclose
 from sim.capture.tick import ARMS
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import MissionConfig
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.control.trajectory import plan_end
 from sim.model.clearance import corners_overlap
 from sim.model.generalized_jacobian import manipulability
-from sim.model.robot import Chain, RobotModel, arm_jacobian
-from sim.record import Record
+from sim.model.robot import Chain, RobotModel
+from sim.record import Record, copy_vector
 from sim.snapshot import Outcome, OutcomeClass, Touch
 
 MAX_TOUCHES = 256
 
 
 TOUCH = np.dtype(
-    [("arm", np.int64), ("start", np.float64), ("last", np.float64), ("peak", np.float64), ("planned", np.int64)],
+    [
+        ("arm", np.int64),
+        ("start", np.float64),
+        ("last", np.float64),
+        ("peak", np.float64),
+        ("planned", np.int64),
+        ("target_twist", np.float64, (3,)),  # at the last contact
+    ],
     align=True,
 )
 
@@ -38,6 +45,9 @@ MONITOR = np.dtype(
         ("closed_at", np.float64),  # first closed instant of a slow target [s]; NaN before
         ("locked_at", np.float64),
         ("peak", np.float64),  # largest hand resultant [N]
+        ("peak_at", np.float64),  # the first time that it was reached [s]
+        ("peak_phase", np.int64),  # in that tick
+        ("peak_activity", np.int64),  # likewise
         ("peak_to_closure", np.float64),
         ("unplanned", np.int64),
         ("unplanned_to_closure", np.int64),
@@ -45,6 +55,7 @@ MONITOR = np.dtype(
         ("base_overlap", np.int64),  # now, geometrically or in solid contact
         ("min_manipulability", np.float64),
         ("manipulability", np.float64, (2,)),  # now
+        ("base_turn", np.float64),  # the base's angle where it was largest [rad]
         ("initial_momentum", np.float64, (3,)),
         ("momentum_error", np.float64),
         ("open_touch", np.int64, (2,)),  # place in `touches` of each arm's present touch; -1 if none
@@ -61,7 +72,8 @@ def begin_monitoring(monitor: Record, time: float, momentum: FloatArray) -> None
     monitor.begun_at = time
     monitor.verdict = Verdict.NONE
     monitor.verdict_at = monitor.closed_at = monitor.locked_at = math.nan
-    monitor.peak = monitor.peak_to_closure = 0.0
+    monitor.peak = monitor.peak_to_closure = monitor.base_turn = 0.0
+    monitor.peak_at = math.nan
     monitor.unplanned = monitor.unplanned_to_closure = monitor.base_overlap = 0
     monitor.min_manipulability = math.inf
     monitor.initial_momentum[:] = momentum
@@ -70,7 +82,7 @@ def begin_monitoring(monitor: Record, time: float, momentum: FloatArray) -> None
     monitor.touch_count = 0
 
 
-@compiled
+@compiled_inline
 def watch(
     monitor: Record,
     memory: Record,
@@ -84,11 +96,13 @@ def watch(
     monitor.closed = tips_enclose(robot, shapes.target, links.hand_pose, state.target_pose)
     monitor.base_overlap = overlaps_base(shapes, state)
     for arm in range(2):
-        monitor.manipulability[arm] = manipulability(arm_jacobian(links, arm))
+        monitor.manipulability[arm] = manipulability(links, arm)
     if math.isnan(monitor.begun_at) or monitor.verdict != Verdict.NONE:
         return
     _watch_touches(monitor, memory, parameters, state)
     monitor.min_manipulability = min(monitor.min_manipulability, monitor.manipulability[0], monitor.manipulability[1])
+    if abs(state.base_pose[2]) > abs(monitor.base_turn):
+        monitor.base_turn = state.base_pose[2]
     error = 0.0
     for axis in range(3):
         error += abs(state.momentum[axis] - monitor.initial_momentum[axis])
@@ -98,14 +112,21 @@ def watch(
     _reach_verdict(monitor, memory, parameters, state)
 
 
-@compiled
+@compiled_inline
+def note_decision(monitor: Record, memory: Record, state: Record) -> None:
+    """Note what this tick decided, after `watch`."""
+    if monitor.peak_at == state.time:
+        monitor.peak_phase, monitor.peak_activity = memory.phase, memory.activity
+
+
+@compiled_inline
 def _reach_verdict(monitor: Record, memory: Record, parameters: Record, state: Record) -> None:
     """Ejection over base collision over capture in the same tick, as the authors' simulator."""
     judging = parameters.judging
-    distance = math.hypot(state.target_pose[0] - state.base_pose[0], state.target_pose[1] - state.base_pose[1])
+    x, y = state.target_pose[0] - state.base_pose[0], state.target_pose[1] - state.base_pose[1]
     capturing = memory.sequence not in (Sequence.NONE, Sequence.DETUMBLE_ONLY)
     verdict = Verdict.NONE
-    if distance >= judging.ejection_distance:
+    if abs(x) + abs(y) >= judging.ejection_distance and math.hypot(x, y) >= judging.ejection_distance:
         verdict = Verdict.EJECTION
     elif monitor.base_overlap:
         verdict = Verdict.BASE_COLLISION
@@ -134,7 +155,7 @@ def _target_is_slow(parameters: Record, state: Record) -> bool:
     return bool(abs(spin) <= judging.relative_spin_limit and math.hypot(vx, vy) <= judging.relative_speed_limit)
 
 
-@compiled
+@compiled_inline
 def overlaps_base(shapes: Record, state: Record) -> bool:
     """Whether the target and the base overlap by a corner, or touch as solids."""
     return bool(
@@ -142,19 +163,21 @@ def overlaps_base(shapes: Record, state: Record) -> bool:
     )
 
 
-@compiled
+@compiled_inline
 def _watch_touches(monitor: Record, memory: Record, parameters: Record, state: Record) -> None:
     """Peaks, and the list of touches: contacts of one arm with shorter gaps than `touch_gap` are one."""
     for arm in range(2):
-        force = math.hypot(state.hand_wrench[arm, 0], state.hand_wrench[arm, 1])
-        monitor.peak = max(monitor.peak, force)
+        wrench = state.hand_wrench
+        force = math.hypot(wrench[arm, 0], wrench[arm, 1]) if wrench[arm, 0] != 0.0 or wrench[arm, 1] != 0.0 else 0.0
+        if force > monitor.peak:
+            monitor.peak, monitor.peak_at = force, state.time
         touching = state.tip_contact[arm, 0] or state.tip_contact[arm, 1]
         place = monitor.open_touch[arm]
         if place >= 0 and not touching and state.time - monitor.touches[place].last > parameters.judging.touch_gap:
             monitor.open_touch[arm] = place = -1
         if not touching:
             continue
-        plan_running = memory.plan_knots > 1 and state.time < plan_end(memory)
+        plan_running = memory.plan_knots > 1 and state.time < plan_end(memory) and not memory.expects_contact[arm]
         monitor.unplanned = monitor.unplanned or plan_running
         if place < 0 and monitor.touch_count < MAX_TOUCHES:
             place = monitor.touch_count
@@ -165,6 +188,7 @@ def _watch_touches(monitor: Record, memory: Record, parameters: Record, state: R
         if place >= 0:
             monitor.touches[place].last = state.time
             monitor.touches[place].peak = max(monitor.touches[place].peak, force)
+            copy_vector(monitor.touches[place].target_twist, state.target_twist)
     if state.arm_contact > 0:
         monitor.unplanned = 1
 

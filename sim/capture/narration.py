@@ -22,7 +22,9 @@ def description(
         return verdict_in_words(outcome) + "."
     if phase in _OF_THE_METHOD:
         return method_of(config).words.motion(row, plan, touches)
-    spin = float(row["target_twist"][2])
+    spin, trouble = float(row["target_twist"][2]), method_of(config).words.trouble.get(int(row["trouble"]))
+    if phase is Phase.HOLDING and trouble:
+        return f"The arms hold: {trouble}."
     return {
         Phase.IDLE: f"The target spins at {spin:.2f} rad/s; the robot waits for a command.",
         Phase.HOLDING: "The arms hold; joint rates are zero.",

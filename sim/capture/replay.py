@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from sim.capture.beginning import Beginning
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission
 from sim.capture.tick import COLUMNS, TICK, column_values
@@ -34,8 +35,20 @@ class Intervention(FrozenMessage):
 class FlightHistory(FrozenMessage):
     """All that a simulated mission depends on: the same history gives the same ticks."""
 
+    model_config = ConfigDict(arbitrary_types_allowed=True)
+
     config: MissionConfig = Field(description="At tick 0")
     interventions: tuple[Intervention, ...] = Field((), description="In the order in which they were done")
+    beginning: Beginning | None = Field(None, description="Where it began; null: as the configuration lays it out")
+
+    def begun(self) -> Mission:
+        """The mission before its first tick.
+
+        Raises:
+            ConfigError: the target overlaps the robot at the start.
+
+        """
+        return Mission(self.config) if self.beginning is None else self.beginning.mission(self.config)
 
     def before(self, tick: int) -> FlightHistory:
         """What the ticks before that one follow from."""
@@ -148,7 +161,7 @@ class Follower:
     """A mission that is given recorded ticks in place of a plant, and the interventions that it had then."""
 
     def __init__(self, history: FlightHistory) -> None:
-        self.mission = Mission(history.config)
+        self.mission = history.begun()
         self.done = 0
         """How many of the interventions have been applied."""
         self._interventions = history.interventions
@@ -185,7 +198,7 @@ class _Rerun:
     """A mission being flown again through its history."""
 
     def __init__(self, history: FlightHistory) -> None:
-        self.mission = Mission(history.config)
+        self.mission = history.begun()
         self._left = list(history.interventions)
 
     def ticks_before(self, end: int) -> Iterator[Ticks]:

@@ -10,9 +10,12 @@ from sim.capture.events import Event, Ticks
 from sim.capture.mission import Mission
 from sim.config import MissionConfig
 from sim.control.phases import Command
+from sim.errors import MissionRefused
+from sim.record import Record
 from sim.snapshot import Outcome
 
 _CHUNK = 500  # ticks at a time: their rows stay in the processor's cache until they are read
+_UNREAD_CHUNK = 5000  # where nobody reads them
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,8 @@ class RunResult:
     """[s]"""
     wall_time: float
     """Compiled time only, without `on_ticks` [s]."""
+    monitor: Record
+    """What was noted of it, one element of `MONITOR`."""
     events: list[Event] = field(default_factory=list)
 
     @property
@@ -50,27 +55,56 @@ def run_capture(
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
+        MissionRefused: it cannot end well, and the message says why, with numbers; nothing was flown.
         PlantDiverged: the simulated state is not finite.
 
     """
     mission = Mission(config)
-    mission.request(Command.DIRECT_CAGE if direct else Command.CAPTURE)
-    ticks, wall_time = 0, 0.0
+    ask(mission, Command.DIRECT_CAGE if direct else Command.CAPTURE)
+    return fly_to_verdict(mission, on_ticks=on_ticks, on_event=on_event)
+
+
+def ask(mission: Mission, command: Command) -> None:
+    """Request what ends with a verdict, unless the method says that it cannot end well from here.
+
+    Raises:
+        MissionRefused: it says so, with numbers; or the phase does not allow it.
+
+    """
+    if speaks_against := mission.refusal(command, on_robot=False):
+        raise MissionRefused(speaks_against)
+    mission.request(command)
+
+
+def fly_to_verdict(
+    mission: Mission,
+    *,
+    on_ticks: Callable[[Ticks], None] | None = None,
+    on_event: Callable[[Event], None] | None = None,
+) -> RunResult:
+    """Fly a mission whose capture is under way to its verdict; arguments as those of `run_capture`.
+
+    Raises:
+        PlantDiverged: the simulated state is not finite.
+
+    """
+    ticks, wall_time, began = 0, 0.0, mission.time
     events: list[Event] = []
     while mission.outcome is None:
         before = time.perf_counter()
-        rows = mission.advance(_CHUNK)
+        rows = None if on_ticks is None else mission.advance(_CHUNK)
+        ticks += mission.advance_unrecorded(_UNREAD_CHUNK) if rows is None else len(rows)
         wall_time += time.perf_counter() - before
-        ticks += len(rows)
         events += _drain_events(mission, on_event)
-        if on_ticks is not None:
+        if on_ticks is not None and rows is not None:
             on_ticks(rows)
     return RunResult(
         outcome=mission.outcome,
         ticks=ticks,
-        simulated_time=mission.time,
+        simulated_time=mission.time - began,
         wall_time=wall_time,
         events=events,
+        monitor=mission.monitor,
     )
 
 

@@ -11,13 +11,22 @@ from sim.capture.narration import description, readiness
 from sim.capture.stages import Visit, stages
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
-from sim.config import MissionConfig
+from sim.config import Estimator, MissionConfig
 from sim.control.memory import NO_PLAN
 from sim.control.phases import Phase
 from sim.control.trajectory import BOTH_ARMS
 from sim.method.method import Method, method_of
 from sim.record import Record
-from sim.snapshot import ArmState, BodyState, Outcome, Plan, Snapshot, Vector3
+from sim.snapshot import (
+    ArmState,
+    BodyState,
+    Outcome,
+    Plan,
+    Prediction,
+    Snapshot,
+    TargetEstimate,
+    Vector3,
+)
 
 
 class Flown(NamedTuple):
@@ -48,6 +57,8 @@ def snapshot_of(flown: Flown, phase: Phase, reached: Phase) -> Snapshot:
         target=BodyState(pose=_vector(row["target_pose"]), twist=_vector(row["target_twist"])),
         left=_arm_state(row, 0),
         right=_arm_state(row, 1),
+        target_estimate=_estimate(row, config),
+        trouble=method.words.trouble.get(int(row["trouble"]), ""),
         spin=float(row["target_twist"][2]),
         spin_threshold=method.spin_threshold(config),
         drift=math.hypot(row["target_twist"][0], row["target_twist"][1]),
@@ -77,6 +88,30 @@ def _plan(memory: Record, method: Method, phase: Phase) -> Plan | None:
         left=poses[0],
         right=poses[1],
         target_at_end=_vector(memory["predicted_target"]),
+        predicted=_prediction(memory["prediction"]),
+    )
+
+
+def _prediction(expected: Record) -> Prediction | None:
+    if not expected["made"]:
+        return None
+    clearance = float(expected["clearance"])
+    return Prediction(
+        until=float(expected["until"]),
+        force=float(expected["force"]),
+        base_rotation=float(expected["base_rotation"]),
+        manipulability=float(expected["manipulability"]),
+        clearance=clearance if math.isfinite(clearance) else None,
+    )
+
+
+def _estimate(row: Record, config: MissionConfig) -> TargetEstimate | None:
+    if config.perception.estimator is not Estimator.MODEL_BASED:
+        return None
+    return TargetEstimate(
+        inertia=float(row["target_perceived_inertia"]),
+        inertia_deviation=float(row["target_perceived_inertia_deviation"]),
+        twist_deviation=_vector(row["target_perceived_twist_deviation"]),
     )
 
 
@@ -99,6 +134,7 @@ def _arm_state(row: Any, arm: int) -> ArmState:
         desired_hand_twist=_vector(row["desired_hand_twist"][arm]),
         hand_wrench=_vector(row["hand_wrench"][arm]),
         tip_force=((ax, ay), (bx, by)),
+        wanted_force=float(row["wanted_force"][arm]),
         in_contact=bool(row["hand_wrench"][arm].any()),
         manipulability=float(row["manipulability"][arm]),
     )

@@ -28,8 +28,15 @@ class Visit(NamedTuple):
     """[s]"""
     end: float
     """[s]"""
-    unmet: str
-    """What the phase had failed to achieve; empty if nothing."""
+    last: Any
+    """Its last tick, one element of `TICK`."""
+    config: MissionConfig
+    """In force in that tick."""
+
+    @property
+    def unmet(self) -> str:
+        """What the phase had failed to achieve; empty if nothing."""
+        return method_of(self.config).words.unmet(self.last, self.config)
 
 
 def visits_after(visits: Ordered[Visit], ticks: Ticks, config: MissionConfig) -> list[Visit]:
@@ -48,8 +55,7 @@ def visits_after(visits: Ordered[Visit], ticks: Ticks, config: MissionConfig) ->
 
 
 def _visit(first: Any, last: Any, config: MissionConfig) -> Visit:
-    unmet = method_of(config).words.unmet(last, config)
-    return Visit(Phase(int(first["phase"])), float(first["time"]), float(last["time"]), unmet)
+    return Visit(Phase(int(first["phase"])), float(first["time"]), float(last["time"]), last.copy(), config)
 
 
 def stages(visits: Ordered[Visit], phase: Phase, outcome: Outcome | None) -> list[Stage]:

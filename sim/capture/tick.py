@@ -7,6 +7,8 @@ in world axes; hands are their centres; wrenches and forces are what the target 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,6 +52,8 @@ QUANTITIES = (
     Quantity("base_overlap", "mission", "u1"),
     Quantity("solid_contact", "mission", "u1"),
     Quantity("rate_limited", "mission", "u1"),
+    Quantity("trouble", "mission", "u4"),
+    Quantity("contact_expected", "arm", "u2"),
     Quantity("base_contact", "mission", "u4"),
     Quantity("tip_contact", "arm", "u1", (("tip_1", "1"), ("tip_2", "1"))),
     Quantity("perceived_closed", "mission", "u4"),
@@ -73,7 +77,11 @@ QUANTITIES = (
     Quantity("base_perceived_twist", "base", "f8", TWIST_AXES),
     Quantity("target_perceived_pose", "target", "f8", POSE_AXES),
     Quantity("target_perceived_twist", "target", "f8", TWIST_AXES),
+    Quantity("target_perceived_twist_deviation", "target", "f8", TWIST_AXES),
+    Quantity("target_perceived_inertia", "target", "f8", unit="kg m2"),
+    Quantity("target_perceived_inertia_deviation", "target", "f8", unit="kg m2"),
     Quantity("perceived_hand_wrench", "arm", "f8", WRENCH_AXES),
+    Quantity("wanted_force", "arm", "f8", unit="N"),
     Quantity("manipulability", "arm", "f8", unit="m2"),
     Quantity("momentum", "system", "f8", (("x", "N s"), ("y", "N s"), ("angular", "N m s"))),
 )
@@ -119,6 +127,13 @@ def columns_of(quantity: Quantity) -> list[TickColumn]:
 
 
 COLUMNS: tuple[TickColumn, ...] = tuple(column for quantity in QUANTITIES for column in columns_of(quantity))
+
+
+def all_column_values(ticks: np.ndarray[Any, np.dtype[Any]]) -> Iterator[np.ndarray[Any, np.dtype[Any]]]:
+    """The values of each of `COLUMNS` over an array of `TICK`, each contiguous, shape (ticks,)."""
+    for quantity in QUANTITIES:
+        width = math.prod(TICK[quantity.name].shape)
+        yield from np.ascontiguousarray(ticks[quantity.name].reshape(len(ticks), width).T)
 
 
 def column_values(ticks: np.ndarray[Any, np.dtype[Any]], column: TickColumn) -> np.ndarray[Any, np.dtype[Any]]:

@@ -9,9 +9,11 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-import scipy
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
+
+_ORDER = 14
+"""Of the series of an exponential whose argument is at most an eighth: the rest is below rounding."""
 
 
 class Impedance(Protocol):
@@ -40,11 +42,44 @@ def admittance_transition(impedance: Impedance, period: float) -> FloatArray:
     """
     m, d, k = impedance.mass, impedance.damping, impedance.stiffness
     dynamics = np.array([[0.0, 1.0, 0.0], [-k / m, -d / m, 1.0 / m], [0.0, 0.0, 0.0]])
-    transition: FloatArray = scipy.linalg.expm(dynamics * period)
-    return np.ascontiguousarray(transition[:2])
+    return np.ascontiguousarray(_exponential(dynamics * period)[:2])
 
 
 @compiled
+def _exponential(matrix: FloatArray) -> FloatArray:
+    """Of a matrix of shape (3, 3), by its series and squaring (Moler, Van Loan 2003, methods 1 and 3).
+
+    Libraries of linear algebra wake a thread on every core for it, which takes longer than a second of a capture.
+    """
+    norm = 0.0
+    for row in range(3):
+        norm = max(norm, abs(matrix[row, 0]) + abs(matrix[row, 1]) + abs(matrix[row, 2]))
+    halvings = 0
+    while norm > 0.125:
+        norm *= 0.5
+        halvings += 1
+    small = matrix / 2.0**halvings
+    result = term = np.eye(3)
+    for order in range(1, _ORDER):
+        term = _product(term, small) / order
+        result = result + term
+    for _ in range(halvings):
+        result = _product(result, result)
+    return result
+
+
+@compiled
+def _product(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Of two matrices of shape (3, 3)."""
+    product = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                product[i, j] += left[i, k] * right[k, j]
+    return product
+
+
+@compiled_inline
 def admitted(transition: FloatArray, displacement: float, velocity: float, force: float) -> tuple[float, float]:
     """Displacement [m] and velocity [m/s] of one axis a period later, under that force [N]."""
     return (

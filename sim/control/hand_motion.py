@@ -6,81 +6,110 @@ import math
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import SingularityHandling
 from sim.control.tracking import tracking_velocity
 from sim.control.trajectory import BOTH_ARMS, follow
 from sim.model.generalized_jacobian import (
+    JOINT_RATES,
     damping_near_singularity,
-    free_flying_model,
-    joint_rates,
     manipulability,
-    momentum,
+    solve_joint_rates,
 )
-from sim.model.planar import point_velocity
-from sim.model.robot import FREEDOMS, JOINTS, LINKS, Chain, RobotModel, arm_jacobian, freedom
-from sim.record import Record, code_of
+from sim.model.planar import direction, point_velocity
+from sim.model.reduced_model import FREE, joint_place, momentum_drift, set_generalized_jacobian
+from sim.model.robot import FREEDOMS, JOINTS, LINKS, Chain, freedom
+from sim.record import Record, code_of, copy_rows
 
 NO_HANDS = -2
 """In place of an arm or `BOTH_ARMS`: the joints are held."""
 
 _DAMPED = code_of(SingularityHandling.DAMPED)
 
+HAND_MOTION = np.dtype(
+    [
+        ("hand_velocity", np.float64, (2, 3)),  # that the hands should have, world axes
+        ("joint_rate", np.float64, (FREE,)),  # of all joints, as perceived
+        ("problem", JOINT_RATES),  # base axes
+    ],
+    align=True,
+)
+"""What a tick of the controller works with and forgets."""
 
-@compiled
+
+@compiled_inline
 def command_hand_twists(
-    memory: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain, velocity: FloatArray, arm: int
+    memory: Record, parameters: Record, state: Record, shape: Record, links: Record, motion: Record, arm: int
 ) -> None:
-    """Command the joint rates that give the hands these velocities, shape (2, 3), on the free-flying base (eq. 2).
+    """Command the joint rates that give the hands their velocities on the free-flying base (eq. 2).
 
     With one `arm` in place of `BOTH_ARMS` only its hand is asked for, and the least rates of all six joints do it.
+
+    Args:
+        memory: one element of `MEMORY`; changed.
+        parameters: record of `MissionConfig`.
+        state: what is known, one element of `PERCEIVED`.
+        shape: the robot's as it is believed to be, one element of `SHAPE`.
+        links: the chain likewise, one element of `CHAIN`.
+        motion: one element of `HAND_MOTION`, with `hand_velocity`; changed.
+        arm: which hand, or `BOTH_ARMS`.
+
     """
-    model = free_flying_model(robot, state.base_pose, links)
-    base_momentum = momentum(model.momentum_matrix, generalized_velocity(state))
-    first, rows = (0, 6) if arm == BOTH_ARMS else (3 * arm, 3)
-    wanted = np.empty(rows)
-    for row in range(rows):
-        hand, axis = (first + row) // 3, (first + row) % 3
-        wanted[row] = velocity[hand, axis]
-        for k in range(3):
-            wanted[row] -= model.momentum_map[first + row, k] * base_momentum[k]
-    jacobian = model.generalized_jacobian[first : first + rows, : 2 * JOINTS]
-    command_joint_rates(memory, parameters, joint_rates(jacobian, wanted, _damping(parameters, links)))
+    problem, rate, wanted = motion.problem, motion.joint_rate, motion.hand_velocity
+    for side in range(2):
+        for link in range(JOINTS):
+            rate[joint_place(side, link)] = state.joint_rate[side, link]
+        rate[joint_place(side, JOINTS)] = state.mount_rate[side]
+    c, s = direction(state.base_pose[2])
+    vx, vy = state.base_twist[0], state.base_twist[1]
+    drift_x, drift_y, turn = momentum_drift(shape, c * vx + s * vy, c * vy - s * vx, state.base_twist[2], rate)
+    first, hands = (0, 2) if arm == BOTH_ARMS else (arm, 1)
+    for place in range(hands):
+        hand, row = first + place, 3 * place
+        x, y = shape.hand[hand, 0] - shape.centre[0], shape.hand[hand, 1] - shape.centre[1]
+        problem.hand_velocity[row] = c * wanted[hand, 0] + s * wanted[hand, 1] - (drift_x - turn * y)
+        problem.hand_velocity[row + 1] = c * wanted[hand, 1] - s * wanted[hand, 0] - (drift_y + turn * x)
+        problem.hand_velocity[row + 2] = wanted[hand, 2] - turn
+        set_generalized_jacobian(shape, hand, problem.jacobian, row)
+    solve_joint_rates(problem, 3 * hands, _damping(parameters, links))
+    for joint in range(2 * JOINTS):
+        problem.rates[joint] *= memory.joint_rate_share
+    command_joint_rates(memory, parameters, problem.rates)
 
 
-@compiled
+@compiled_inline
 def _damping(parameters: Record, links: Chain) -> float:
     """Damping [m] of the joint-rate solution: none for the plain pseudo-inverse, else by the lesser manipulability."""
     rates = parameters.control.rates
     if rates.singularity_handling != _DAMPED:
         return 0.0
-    smallest = min(manipulability(arm_jacobian(links, 0)), manipulability(arm_jacobian(links, 1)))
+    smallest = min(manipulability(links, 0), manipulability(links, 1))
     return damping_near_singularity(smallest, rates.manipulability_warning, rates.damping_factor)
 
 
-@compiled
+@compiled_inline
 def track(memory: Record, parameters: Record, state: Record, links: Chain, velocity: FloatArray) -> None:
     """Hand velocities, shape (2, 3), that follow the plan; an arm without a part in it is held in the world."""
-    twist = hand_twists(state, links)
     for arm in range(2):
         if memory.plan_arm not in (BOTH_ARMS, arm):
-            memory.desired_hand_pose[arm, :] = links.hand_pose[arm]
-            memory.desired_hand_twist[arm, :] = 0.0
+            for axis in range(3):
+                memory.desired_hand_pose[arm, axis] = links.hand_pose[arm, axis]
+                memory.desired_hand_twist[arm, axis] = 0.0
             continue
         follow(memory, state.time, arm)
         tracking_velocity(
             parameters.control.tracking, parameters.control.period,
             memory.desired_hand_pose[arm], memory.desired_hand_twist[arm],
-            links.hand_pose[arm], twist[arm], memory.tracking_integral[arm], velocity[arm],
+            links.hand_pose[arm], hand_twist(state, links, arm), memory.tracking_integral[arm], velocity[arm],
         )  # fmt: skip
 
 
-@compiled
+@compiled_inline
 def hold_joints(memory: Record, hand_pose: FloatArray) -> None:
     """Command joint rates of zero; the hands are where they should be."""
     memory.commanded_joint_rate[:] = 0.0
     memory.desired_hand_twist[:] = 0.0
-    memory.desired_hand_pose[:] = hand_pose
+    copy_rows(memory.desired_hand_pose, hand_pose)
 
 
 @compiled
@@ -95,24 +124,21 @@ def generalized_velocity(state: Record) -> FloatArray:
     return velocity
 
 
-@compiled
-def hand_twists(state: Record, links: Chain) -> FloatArray:
-    """Twists of both hands, world axes, shape (2, 3) [m/s, rad/s]."""
-    twist = np.empty((2, 3))
-    for arm in range(2):
-        x, y = links.hand_pose[arm, 0], links.hand_pose[arm, 1]
-        vx, vy = point_velocity(state.base_pose, state.base_twist, x, y)
-        turn = state.base_twist[2]
-        for link in range(LINKS):
-            rate = state.joint_rate[arm, link] if link < JOINTS else state.mount_rate[arm]
-            vx -= rate * (y - links.joint[arm, link, 1])
-            vy += rate * (x - links.joint[arm, link, 0])
-            turn += rate
-        twist[arm, 0], twist[arm, 1], twist[arm, 2] = vx, vy, turn
-    return twist
+@compiled_inline
+def hand_twist(state: Record, links: Chain, arm: int) -> tuple[float, float, float]:
+    """Twist of a hand, world axes [m/s, rad/s]."""
+    x, y = links.hand_pose[arm, 0], links.hand_pose[arm, 1]
+    vx, vy = point_velocity(state.base_pose, state.base_twist, x, y)
+    turn = state.base_twist[2]
+    for link in range(LINKS):
+        rate = state.joint_rate[arm, link] if link < JOINTS else state.mount_rate[arm]
+        vx -= rate * (y - links.joint[arm, link, 1])
+        vy += rate * (x - links.joint[arm, link, 0])
+        turn += rate
+    return vx, vy, turn
 
 
-@compiled
+@compiled_inline
 def command_joint_rates(memory: Record, parameters: Record, rates: FloatArray) -> None:
     """Command joint rates, shape (6,), within their bound: all scaled together, so that a hand keeps its course."""
     limit, largest = parameters.control.rates.joint_rate_limit, 0.0

@@ -16,6 +16,19 @@ NO_PLAN = 0
 KNOTS = 16
 """The most poses of a plan."""
 
+PREDICTION = np.dtype(
+    [
+        ("made", np.int64),  # 0: the method has not rolled its plan out
+        ("until", np.float64),  # instant at which what is predicted ends: the closed cage [s]
+        ("force", np.float64),  # that each hand will press with [N]; 0: only the closing's
+        ("base_rotation", np.float64),  # largest, from here on [rad]
+        ("manipulability", np.float64),  # least of both arms [m2]
+        ("clearance", np.float64),  # least, of tips that should not touch [m]
+    ],
+    align=True,
+)
+"""What a method expects of the plan under way."""
+
 MEMORY = np.dtype(
     [
         ("phase", np.int64),
@@ -28,11 +41,16 @@ MEMORY = np.dtype(
         ("plan_pose", np.float64, (2, KNOTS, 3)),  # arm, knot, (x, y, angle)
         ("plan_arm", np.int64),  # -1: both
         ("predicted_target", np.float64, (3,)),  # at the end of the plan
+        ("prediction", PREDICTION),
         ("tracking_integral", np.float64, (2, 3)),
         ("desired_hand_pose", np.float64, (2, 3)),
         ("desired_hand_twist", np.float64, (2, 3)),
         ("commanded_joint_rate", np.float64, (2, 3)),
         ("rate_limited", np.int64),
+        ("joint_rate_share", np.float64),  # of the rates that the hands' twists take, that is commanded: 1, or less
+        ("expects_contact", np.int64, (2,)),  # that a hand touches though a plan is running is as planned
+        ("wanted_force", np.float64, (2,)),  # that a hand should press with; 0 where its motion is what is wanted [N]
+        ("trouble", np.int64),  # why the sequence was last broken off or found no plan, by the method; 0: it was not
     ],
     align=True,
 )

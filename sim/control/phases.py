@@ -6,7 +6,10 @@ threshold, plan finished, verdict) is decided in the tick, by the method (`sim.m
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import IntEnum, StrEnum
+from functools import cache
+from types import MappingProxyType
 
 from sim.compiled import compiled
 from sim.errors import MissionRefused
@@ -113,7 +116,8 @@ def next_phase(phase: Phase, command: Command, commands: frozenset[Command] = AL
     return following, sequence
 
 
-def allowed_commands(phase: Phase, commands: frozenset[Command] = ALL_COMMANDS) -> dict[Command, str | None]:
+@cache
+def allowed_commands(phase: Phase, commands: frozenset[Command] = ALL_COMMANDS) -> Mapping[Command, str | None]:
     """Every command with None where phase and method allow it, else the reason why not."""
     reasons: dict[Command, str | None] = {}
     for command in Command:
@@ -122,7 +126,7 @@ def allowed_commands(phase: Phase, commands: frozenset[Command] = ALL_COMMANDS) 
             reasons[command] = None
         except MissionRefused as refusal:
             reasons[command] = str(refusal)
-    return reasons
+    return MappingProxyType(reasons)
 
 
 @compiled

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled_inline
 from sim.record import Record
 
 
-@compiled
+@compiled_inline
 def tracking_velocity(
     gains: Record,
     period: float,
     desired_pose: FloatArray,
     desired_twist: FloatArray,
     pose: FloatArray,
-    twist: FloatArray,
+    twist: tuple[float, float, float],
     integral: FloatArray,
     velocity: FloatArray,
 ) -> None:

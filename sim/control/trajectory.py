@@ -7,28 +7,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.control.memory import NEVER
 from sim.record import Record
 
-_HALF = math.pi / 2
 BOTH_ARMS = -1
 LEFT, RIGHT = 0, 1
-
-
-@compiled
-def time_to_angle(angle_to_go: float, spin: float, at_least: float) -> float:
-    """Time [s] until a square spinning at `spin` [rad/s] has turned by an angle, modulo its quarter turn.
-
-    Not less than `at_least` [s]: quarter turns are added until it is.
-    """
-    time: float = np.fmod(angle_to_go, _HALF) / spin
-    quarter_turn = _HALF / abs(spin)
-    if time < at_least:
-        time += quarter_turn * math.ceil((at_least - time) / quarter_turn)
-    return time
 
 
 @compiled
@@ -38,6 +22,7 @@ def start_plan(memory: Record, kind: int, arm: int, time: float, hand_pose: Floa
     memory.plan_count += 1
     memory.plan_arm = arm
     memory.plan_knots = 1
+    memory.prediction.made = 0
     memory.plan_time[0] = time
     for side in range(2):
         memory.plan_pose[side, 0, :] = hand_pose[side]
@@ -62,18 +47,45 @@ def predict_target(memory: Record, pose: FloatArray, twist: FloatArray, duration
 
 
 @compiled
+def plan_opening(
+    memory: Record, state: Record, hand_pose: FloatArray, kind: int, distance: float, duration: float
+) -> None:
+    """Plan an opening: each hand draws back from the target along its own axis, without turning.
+
+    Args:
+        memory: one element of `MEMORY`; changed.
+        state: one element of `PERCEIVED`.
+        hand_pose: of both hands, shape (2, 3).
+        kind: of the plan, the method's.
+        distance: of the hand centres from the target's centre, along their axes, at the end [m].
+        duration: [s].
+
+    """
+    pose = state.target_pose
+    start_plan(memory, kind, BOTH_ARMS, state.time, hand_pose)
+    for arm in range(2):
+        x, y, angle = hand_pose[arm, 0], hand_pose[arm, 1], hand_pose[arm, 2]
+        back_x, back_y = math.sin(angle), -math.cos(angle)
+        present = (x - pose[0]) * back_x + (y - pose[1]) * back_y
+        step = max(0.0, distance - present)
+        add_knot(memory, arm, duration, x + step * back_x, y + step * back_y, angle)
+    memory.plan_knots = 2
+    predict_target(memory, pose, state.target_twist, duration)
+
+
+@compiled_inline
 def time_scaling(part: float) -> tuple[float, float]:
     """S and ds/dpart of the cubic scaling s = 3 p^2 - 2 p^3, p the part of the duration, 0 to 1."""
     return part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part)
 
 
-@compiled
+@compiled_inline
 def plan_end(memory: Record) -> float:
     """When the plan ends [s]; before every mission if there is none."""
     return memory.plan_time[memory.plan_knots - 1] if memory.plan_knots > 1 else NEVER
 
 
-@compiled
+@compiled_inline
 def follow(memory: Record, time: float, arm: int) -> None:
     """Desired pose and twist of one hand on the plan now, into the memory; at rest at the last knot after it."""
     knot = memory.plan_knots - 1

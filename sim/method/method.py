@@ -18,17 +18,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba.extending import overload
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import INLINE, FloatArray, compiled, compiled_inline
 from sim.config import MissionConfig
 from sim.control.hand_motion import NO_HANDS, command_hand_twists, hold_joints
 from sim.control.memory import NO_PLAN
 from sim.control.phases import AT_REST, Command, Phase, Verdict
 from sim.control.phases import Sequence as MissionSequence
+from sim.method.registry import MethodName
 from sim.model.robot import Chain, RobotModel
 from sim.record import Record
 from sim.snapshot import Condition, Plan, Touch
@@ -44,12 +45,30 @@ class Words(NamedTuple):
     """Of the phases that it fills: the message of the event when one begins."""
     plan: Mapping[int, str]
     """By activity: the message of the event when a plan for it is made."""
+    trouble: Mapping[int, str]
+    """By code of the memory's `trouble`: why a sequence was broken off or found no plan, to stand after a colon."""
     motion: Callable[[Any, Plan | None, Sequence[Touch]], str]
     """What is happening at a tick (one element of `TICK`) of a phase in which something moves: one sentence."""
     next_step: Callable[[Any, MissionConfig, Phase], tuple[str, list[Condition]]]
     """The phase or command that comes next at a tick, and what speaks for or against it."""
     unmet: Callable[[Any, MissionConfig], str]
     """What a phase has failed to achieve, at its last tick; empty if nothing."""
+
+
+class Refusal(Protocol):
+    """What speaks against a command before anything moves."""
+
+    def __call__(self, command: Command, config: MissionConfig, row: Any, *, on_robot: bool) -> str:
+        """Why it cannot end well from the last tick (one element of `TICK`) on, with numbers; empty if it can.
+
+        Args:
+            command: that is asked.
+            config: of the mission.
+            row: the last tick.
+            on_robot: whether it is a real robot that would fly.
+
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -71,12 +90,21 @@ class Method:
     """The handle for a configuration and an array of one `memory`."""
     spin_threshold: Callable[[MissionConfig], float | None]
     """The target's spin below which caging may begin [rad/s]; None if it may at any."""
+    refusal: Refusal
+    enclosure: Callable[[MissionConfig], FloatArray] | None
+    """Poses of both hands that enclose a target at the world's origin, shape (2, 3), as far out as the method lets
+    them be when it locks; None where the method does not choose them."""
     words: Words
 
 
 def method_of(config: MissionConfig) -> Method:
     """The method that the configuration names."""
-    method: Method = import_module(f"sim.method.{config.method.value}.method").METHOD
+    return method_named(config.method)
+
+
+def method_named(name: MethodName) -> Method:
+    """The method of that name."""
+    method: Method = import_module(f"sim.method.{name.value}.method").METHOD
     return method
 
 
@@ -142,7 +170,7 @@ def _hand_twist(
     raise NotImplementedError
 
 
-@overload(_begin)
+@overload(_begin, jit_options=INLINE)
 def _begin_of(handle: Any, memory: Any) -> Any:
     function = _KERNELS[handle.instance_class].begin
 
@@ -152,7 +180,7 @@ def _begin_of(handle: Any, memory: Any) -> Any:
     return begin
 
 
-@overload(_react)
+@overload(_react, jit_options=INLINE)
 def _react_of(handle: Any, memory: Any, parameters: Any, state: Any, verdict: Any) -> Any:
     function = _KERNELS[handle.instance_class].react
 
@@ -162,7 +190,7 @@ def _react_of(handle: Any, memory: Any, parameters: Any, state: Any, verdict: An
     return react
 
 
-@overload(_plan)
+@overload(_plan, jit_options=INLINE)
 def _plan_of(handle: Any, memory: Any, parameters: Any, state: Any, hand_pose: Any, kind: Any) -> Any:
     function = _KERNELS[handle.instance_class].plan
 
@@ -172,7 +200,7 @@ def _plan_of(handle: Any, memory: Any, parameters: Any, state: Any, hand_pose: A
     return plan
 
 
-@overload(_hand_twist)
+@overload(_hand_twist, jit_options=INLINE)
 def _hand_twist_of(handle: Any, memory: Any, parameters: Any, robot: Any, state: Any, links: Any, velocity: Any) -> Any:
     function = _KERNELS[handle.instance_class].hand_twist
 
@@ -182,7 +210,7 @@ def _hand_twist_of(handle: Any, memory: Any, parameters: Any, robot: Any, state:
     return hand_twist
 
 
-@compiled
+@compiled_inline
 def enter_phase(memory: Record, phase: int, activity: int, sequence: int) -> None:
     """The one function that writes the phase, with what is done in it and how far the phases follow one another."""
     memory.phase, memory.activity, memory.sequence = phase, activity, sequence
@@ -192,18 +220,20 @@ def enter_phase(memory: Record, phase: int, activity: int, sequence: int) -> Non
 def begin_sequence(method: MethodHandle, memory: Record, phase: int, sequence: int) -> None:
     """Put the memory at the start of a phase that an operator asked for; a plan under way is dropped."""
     enter_phase(memory, phase, AT_REST, sequence)
-    memory.plan_kind, memory.plan_knots = NO_PLAN, 0
+    memory.plan_kind, memory.plan_knots, memory.trouble = NO_PLAN, 0, 0
     _begin(method, memory)
 
 
-@compiled
+@compiled_inline
 def decide(
     method: MethodHandle,
     memory: Record,
     parameters: Record,
     robot: RobotModel,
     state: Record,
-    links: Chain,
+    shape: Record,
+    links: Record,
+    motion: Record,
     verdict: int,
 ) -> None:
     """One tick of the controller.
@@ -214,7 +244,9 @@ def decide(
         parameters: record of `MissionConfig`.
         robot: the robot's model.
         state: what is known, one element of `PERCEIVED`.
-        links: the chain as it is believed to be.
+        shape: the robot's as it is believed to be, one element of `SHAPE`.
+        links: the chain likewise, one element of `CHAIN`.
+        motion: one element of `HAND_MOTION`, to work with.
         verdict: that has fallen in this tick, `Verdict.NONE` for none.
 
     """
@@ -222,10 +254,12 @@ def decide(
     enter_phase(memory, phase, activity, memory.sequence if verdict == Verdict.NONE else MissionSequence.NONE)
     if kind != NO_PLAN:
         _plan(method, memory, parameters, state, links.hand_pose, kind)
-    memory.rate_limited = 0
-    velocity = np.zeros((2, 3))
-    arm = _hand_twist(method, memory, parameters, robot, state, links, velocity)
+    memory.rate_limited, memory.joint_rate_share = 0, 1.0
+    memory.expects_contact[:] = 0
+    memory.wanted_force[:] = 0.0
+    motion.hand_velocity[:] = 0.0
+    arm = _hand_twist(method, memory, parameters, robot, state, links, motion.hand_velocity)
     if arm == NO_HANDS:
         hold_joints(memory, links.hand_pose)
     else:
-        command_hand_twists(memory, parameters, robot, state, links, velocity, arm)
+        command_hand_twists(memory, parameters, state, shape, links, motion, arm)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import ArmConfig, MissionConfig
-from sim.model.planar import rotated
+from sim.model.planar import in_frame, rotated
 from sim.model.robot import JOINTS, base_shape, chain, initial_joint_angles, robot_model
 from sim.model.shape import Shape, signed_distance
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 from sim.record import Record, packed
 
 _SAMPLES = 41  # along a link, for the check before a start: every few millimetres
@@ -49,15 +48,25 @@ def corner_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: Flo
         return deepest
     for corner in range(shape.corners):
         dx, dy = rotated(pose[2], shape.vertices[corner, 0], shape.vertices[corner, 1])
-        x, y = in_target(other_pose, pose[0] + dx, pose[1] + dy)
+        x, y = in_frame(other_pose, pose[0] + dx, pose[1] + dy)
         deepest = max(deepest, shape.rounding - signed_distance(other, x, y))
     return deepest
 
 
-@compiled
+@compiled_inline
 def corners_overlap(shape: Shape, pose: FloatArray, other: Shape, other_pose: FloatArray) -> bool:
     """Whether a corner of one of two shapes lies in the other; poses of their frames, shape (3,) [m, rad]."""
-    x, y = in_target(other_pose, pose[0], pose[1])
+    apart_x, apart_y = pose[0] - other_pose[0], pose[1] - other_pose[1]
+    overlapping = shape.corner_circle + other.corner_circle
+    if apart_x * apart_x + apart_y * apart_y > overlapping * overlapping:
+        return False
+    return _corners_overlap_nearby(shape, pose, other, other_pose)
+
+
+@compiled
+def _corners_overlap_nearby(shape: Shape, pose: FloatArray, other: Shape, other_pose: FloatArray) -> bool:
+    """`corners_overlap` of shapes whose corner circles overlap."""
+    x, y = in_frame(other_pose, pose[0], pose[1])
     if signed_distance(other, x, y) > shape.corner_circle:
         return False
     return bool(
@@ -99,7 +108,7 @@ def _hand_and_link_depths(config: MissionConfig, target_pose: FloatArray, shape:
         hand = links.hand_pose[arm]
         outline = np.array([hand[:2] + np.array(rotated(hand[2], *point)) for point in hand_outline(arm_config)])
         for j in range(JOINTS):
-            run = links.joint[arm, j : j + 2]
+            run = np.ascontiguousarray(links.joint[arm, j : j + 2])
             depths.append((f"{side} link {j + 1}", _depth(run, arm_config.link_radius, target_pose, shape)))
         depths.append((f"{side} hand", _depth(outline, arm_config.hand.finger_radius, target_pose, shape)))
         tips = outline[[0, 3]]
@@ -109,11 +118,15 @@ def _hand_and_link_depths(config: MissionConfig, target_pose: FloatArray, shape:
     return depths
 
 
+@compiled
 def _depth(run: FloatArray, radius: float, target_pose: FloatArray, shape: Shape) -> float:
     """How deep [m] a chain of capsules along these points, shape (n, 2), reaches into the target; negative if clear."""
     deepest = -math.inf
-    for start, end in pairwise(run):
-        for part in np.linspace(0.0, 1.0, _SAMPLES):
-            x, y = in_target(target_pose, *(start + part * (end - start)))
-            deepest = max(deepest, radius - signed_distance(shape, x, y))
+    for place in range(run.shape[0] - 1):
+        x, y = run[place, 0], run[place, 1]
+        along_x, along_y = run[place + 1, 0] - x, run[place + 1, 1] - y
+        for sample in range(_SAMPLES):
+            part = sample / (_SAMPLES - 1)
+            u, v = in_frame(target_pose, x + part * along_x, y + part * along_y)
+            deepest = max(deepest, radius - signed_distance(shape, u, v))
     return deepest

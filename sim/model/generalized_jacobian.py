@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.model.robot import FREEDOMS, Chain, RobotModel, hand_jacobian, momentum_matrix
+from sim.record import Record, copy_rows, copy_vector
 
 
 class FreeFlyingModel(NamedTuple):
@@ -82,19 +83,16 @@ def momentum(matrix: FloatArray, velocity: FloatArray) -> FloatArray:
     return P
 
 
-@compiled
-def manipulability(jacobian: FloatArray) -> float:
-    """Volume of one hand's velocity ellipsoid on a still base, sqrt(det(J J^T)) [m2], J of shape (3, 3).
+@compiled_inline
+def manipulability(links: Chain, arm: int) -> float:
+    """Volume of one hand's velocity ellipsoid on a still base, sqrt(det(J J^T)) [m2], J of joints 1-3, shape (3, 3).
 
     Yoshikawa 1985. For this arm it equals L1 L2 |sin(joint angle 2)|.
     """
-    J = jacobian
-    determinant = (
-        J[0, 0] * (J[1, 1] * J[2, 2] - J[1, 2] * J[2, 1])
-        - J[0, 1] * (J[1, 0] * J[2, 2] - J[1, 2] * J[2, 0])
-        + J[0, 2] * (J[1, 0] * J[2, 1] - J[1, 1] * J[2, 0])
-    )
-    return abs(float(determinant))
+    x, y, joint = links.hand_pose[arm, 0], links.hand_pose[arm, 1], links.joint
+    x1, x2, x3 = -(y - joint[arm, 0, 1]), -(y - joint[arm, 1, 1]), -(y - joint[arm, 2, 1])
+    y1, y2, y3 = x - joint[arm, 0, 0], x - joint[arm, 1, 0], x - joint[arm, 2, 0]
+    return abs(float(x1 * (y2 - y3) - x2 * (y1 - y3) + x3 * (y1 - y2)))
 
 
 @compiled
@@ -103,8 +101,14 @@ def solution(matrix: FloatArray, right_side: FloatArray) -> FloatArray:
 
     A pivot of zero gives infinities, not an error: the rate bound that follows deals with them.
     """
-    n = right_side.shape[0]
     A, x = matrix.copy(), right_side.copy()
+    eliminate(A, x, right_side.shape[0])
+    return x
+
+
+@compiled_inline
+def eliminate(A: FloatArray, x: FloatArray, n: int) -> None:
+    """Replace the first n elements of x, the right side, by the `solution`; A is used up."""
     for column in range(n):
         pivot = column
         for row in range(column + 1, n):
@@ -123,31 +127,46 @@ def solution(matrix: FloatArray, right_side: FloatArray) -> FloatArray:
         for k in range(row + 1, n):
             x[row] -= A[row, k] * x[k]
         x[row] /= A[row, row]
-    return x
 
 
-@compiled
-def joint_rates(jacobian: FloatArray, hand_velocity: FloatArray, damping: float) -> FloatArray:
-    """Joint rates, shape (6,), of least norm that give the hand velocity, shape (n,), n = 3 or 6.
+JOINT_RATES = np.dtype(
+    [
+        ("jacobian", np.float64, (6, 6)),  # joint rates to the hand velocity
+        ("hand_velocity", np.float64, (6,)),  # of one hand or both
+        ("matrix", np.float64, (6, 6)),  # to work with
+        ("weights", np.float64, (6,)),  # likewise
+        ("rates", np.float64, (6,)),  # the joint rates
+    ],
+    align=True,
+)
+"""Which joint rates give a hand velocity: what `solve_joint_rates` is given, works with and gives."""
+
+
+@compiled_inline
+def solve_joint_rates(problem: Record, rows: int, damping: float) -> None:
+    """Joint rates of least norm that give the hand velocity, its first rows, 3 or 6; `problem` is of `JOINT_RATES`.
 
     J^T (J J^T + damping^2 I)^-1 v: for damping zero the Moore-Penrose inverse of a J of full row rank.
     """
-    rows = hand_velocity.shape[0]
+    J, matrix, weights, rates = problem.jacobian, problem.matrix, problem.weights, problem.rates
     if rows == 6 and damping == 0.0:
-        return solution(jacobian, hand_velocity)
-    gram = np.empty((rows, rows))
+        copy_rows(matrix, J)
+        copy_vector(rates, problem.hand_velocity)
+        eliminate(matrix, rates, 6)
+        return
     for i in range(rows):
-        for j in range(rows):
+        weights[i] = problem.hand_velocity[i]
+        for j in range(i, rows):
             total = damping * damping if i == j else 0.0
             for k in range(6):
-                total += jacobian[i, k] * jacobian[j, k]
-            gram[i, j] = total
-    weights = solution(gram, hand_velocity)
-    rates = np.zeros(6)
+                total += J[i, k] * J[j, k]
+            matrix[i, j] = matrix[j, i] = total
+    eliminate(matrix, weights, rows)
     for k in range(6):
+        total = 0.0
         for i in range(rows):
-            rates[k] += jacobian[i, k] * weights[i]
-    return rates
+            total += J[i, k] * weights[i]
+        rates[k] = total
 
 
 @compiled
@@ -178,7 +197,7 @@ def joint_acceleration_under_contact(
     return acceleration
 
 
-@compiled
+@compiled_inline
 def damping_near_singularity(smallest_manipulability: float, warning: float, greatest: float) -> float:
     """Damping [m] that grows from zero at the warning level to `greatest` at a singularity.
 
@@ -189,10 +208,10 @@ def damping_near_singularity(smallest_manipulability: float, warning: float, gre
     return greatest * (1.0 - smallest_manipulability / warning)
 
 
-@compiled
+@compiled_inline
 def is_finite(values: FloatArray) -> bool:
-    """Whether every element is a finite number."""
-    for value in values.flat:  # noqa: SIM110  (compiled)
+    """Whether every element of an array of one axis is a finite number."""
+    for value in values:  # noqa: SIM110  (compiled)
         if not math.isfinite(value):
             return False
     return True

@@ -1,8 +1,8 @@
 """What moment of inertia a body of some outline, mass and centre of mass can have at most.
 
 Wherever its mass is, a body within a rectangle has the largest moment of inertia with all of it in the corners, shared
-between both ends so that the centre of mass is where it is said to be. A target, whose centre of mass is its middle,
-has it with all mass on its corner circle, as a square in that circle has.
+between both ends so that the centre of mass is where it is said to be. A target has it with all mass on its corner
+circle, as a square in that circle has.
 """
 
 from __future__ import annotations

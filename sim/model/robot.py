@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import ArmConfig, BaseConfig, RobotConfig
 from sim.model.planar import rotated
 from sim.model.shape import Shape, rectangle
@@ -86,7 +86,7 @@ def base_shape(config: BaseConfig) -> Shape:
     return rectangle(config.width, config.depth, config.centre_of_mass_ahead)
 
 
-@compiled
+@compiled_inline
 def freedom(arm: int, link: int) -> int:
     """Place in the generalized velocity of an arm's joint (0-2) or mount (3)."""
     return 3 + JOINTS * arm + link if link < JOINTS else 3 + 2 * JOINTS + arm
@@ -142,17 +142,6 @@ def hand_jacobian(base_pose: FloatArray, links: Chain) -> FloatArray:
             jacobian[row, column] = -(y - links.joint[arm, link, 1])
             jacobian[row + 1, column] = x - links.joint[arm, link, 0]
             jacobian[row + 2, column] = 1.0
-    return jacobian
-
-
-@compiled
-def arm_jacobian(links: Chain, arm: int) -> FloatArray:
-    """J_m of one arm: rates of joints 1-3 to its hand's twist on a still base, shape (3, 3), world axes."""
-    jacobian = np.empty((3, JOINTS))
-    for j in range(JOINTS):
-        jacobian[0, j] = -(links.hand_pose[arm, 1] - links.joint[arm, j, 1])
-        jacobian[1, j] = links.hand_pose[arm, 0] - links.joint[arm, j, 0]
-        jacobian[2, j] = 1.0
     return jacobian
 
 
@@ -215,7 +204,7 @@ def inertia_matrix(robot: RobotModel, base_pose: FloatArray, links: Chain) -> Fl
     return H
 
 
-@compiled
+@compiled_inline
 def tip_position(robot: RobotModel, hand_pose: FloatArray, tip: int) -> tuple[float, float]:
     """World position of a hand's tip [m]: 0 lies on the hand's -x side, 1 on its +x side."""
     dx, dy = rotated(hand_pose[2], robot.tip_offset if tip == 1 else -robot.tip_offset, 0.0)

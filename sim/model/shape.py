@@ -12,14 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.errors import ConfigError
+from sim.parameters import points_text
 
 MOST_CORNERS = 12
 """Of a polygon: a shape's arrays have room for as many, so that compiled code is the same for all shapes."""
 
 _SAME = 1e-9
-"""Two lengths of a shape count as the same within this part of its size."""
+"""Two lengths of a shape count as the same within this part of its size, and two directions within this angle [rad]."""
 
 
 class Shape(NamedTuple):
@@ -68,7 +69,8 @@ def polygon(vertices: FloatArray, rounding: float = 0.0) -> Shape:
     if count == 1:
         normals, offsets = np.empty((0, 2)), np.empty(0)
     else:
-        normals = _outward_normals(corners, size)
+        _require_convex(corners)
+        normals = _outward_normals(corners)
         offsets = normals[:, 0] * corners[:, 0] + normals[:, 1] * corners[:, 1]
     symmetry = _symmetry_angle(corners, size)
     return Shape(
@@ -103,6 +105,17 @@ def regular_polygon(sides: int, side: float) -> Shape:
 def circle(radius: float) -> Shape:
     """A circle of that radius [m]."""
     return polygon(np.zeros((1, 2)), radius)
+
+
+def even_plate(vertices: FloatArray) -> Shape:
+    """A convex polygon whose corners are given from any origin, with its centre of mass at its centroid.
+
+    Raises:
+        ConfigError: as for `polygon`.
+
+    """
+    _require_convex(vertices)
+    return polygon(about_its_centroid(vertices))
 
 
 def about_its_centroid(vertices: FloatArray) -> FloatArray:
@@ -186,19 +199,48 @@ def _with_room(values: FloatArray) -> FloatArray:
     return result
 
 
-def _outward_normals(corners: FloatArray, size: float) -> FloatArray:
-    """Of a polygon's sides, shape (sides, 2); each corner must turn left."""
+def _outward_normals(corners: FloatArray) -> FloatArray:
+    """Of a convex polygon's sides, shape (sides, 2)."""
     along = np.roll(corners, -1, axis=0) - corners
-    lengths = np.hypot(along[:, 0], along[:, 1])
-    before = np.roll(along, 1, axis=0)
-    turns = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
-    winding = np.arctan2(turns, (before * along).sum(axis=1)).sum()
-    if len(corners) < 3 or lengths.min() <= _SAME * size or turns.min() <= 0.0 or winding > 3.0 * math.pi:
+    normals: FloatArray = np.column_stack((along[:, 1], -along[:, 0])) / np.hypot(along[:, 0], along[:, 1])[:, None]
+    return normals
+
+
+def _require_convex(corners: FloatArray) -> None:
+    """Refuse corners, shape (corners, 2), that are not those of a convex polygon in counter-clockwise order.
+
+    Raises:
+        ConfigError: the message names the corner, counted from 1, and what is wrong with it.
+
+    """
+    fault = _fault(corners)
+    if fault is not None:
         raise ConfigError(
-            f"vertices = {corners.tolist()}: they are no convex polygon",
+            f"vertices = '{points_text(tuple(map(tuple, corners.tolist())))}': they are no convex polygon: {fault}",
             tip="give at least three corners, counter-clockwise, each of which turns left",
         )
-    return np.column_stack((along[:, 1], -along[:, 0])) / lengths[:, None]
+
+
+def _fault(corners: FloatArray) -> str | None:
+    """What keeps corners, shape (corners, 2), from being those of a convex polygon; None if nothing does."""
+    if len(corners) < 3:
+        return f"there are {len(corners)}"
+    along = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    shortest = int(lengths.argmin())
+    if lengths[shortest] <= _SAME * float(np.ptp(corners, axis=0).max()):
+        return f"vertices {shortest + 1} and {(shortest + 1) % len(corners) + 1} are the same point"
+    before = np.roll(along, 1, axis=0)
+    turns = np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(axis=1))
+    if turns.max() < -_SAME:
+        return "they go around clockwise; write them the other way round"
+    place = int(turns.argmin())
+    where = f"vertex {place + 1} ({corners[place, 0]:g}, {corners[place, 1]:g})"
+    if turns[place] < -_SAME:
+        return f"at {where} the outline turns right"
+    if turns[place] <= _SAME:
+        return f"{where} lies on the line between its neighbours; leave it out"
+    return "the outline goes around more than once" if turns.sum() > 3.0 * math.pi else None
 
 
 def _symmetry_angle(corners: FloatArray, size: float) -> float:
@@ -252,7 +294,7 @@ def surface(shape: Shape, x: float, y: float) -> tuple[float, float, float]:
     return distance - shape.rounding, nx, ny
 
 
-@compiled
+@compiled_inline
 def _facing_side(shape: Shape, x: float, y: float) -> tuple[int, float]:
     """The side whose line the point is farthest outside of, and how far [m]; the first of equals."""
     side, largest = 0, -math.inf

@@ -1,20 +1,22 @@
-"""The target: its shape, mass and inertia, and a point of the world in its frame."""
+"""The target: its shape, mass and inertia."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
-from sim.compiled import FloatArray, compiled
+import numpy as np
+
 from sim.config import TargetConfig, TargetShape
-from sim.model.shape import Shape, circle, rectangle, regular_polygon
+from sim.model.shape import Shape, circle, even_plate, rectangle, regular_polygon
 
 SIZES: Mapping[TargetShape, tuple[str, ...]] = {
     TargetShape.SQUARE: ("side",),
     TargetShape.RECTANGLE: ("width", "depth"),
     TargetShape.REGULAR_POLYGON: ("sides", "side"),
     TargetShape.CIRCLE: ("radius",),
+    TargetShape.POLYGON: ("vertices",),
 }
 """The parameters of `TargetConfig` that each shape's size follows from."""
 
@@ -34,22 +36,45 @@ def target_model(config: TargetConfig) -> TargetModel:
     return TargetModel(target_shape(config), config.mass, config.inertia)
 
 
+class Outline(NamedTuple):
+    """What a target's shape follows from, and nothing else of it: what depends on the shape only is kept by this."""
+
+    shape: TargetShape
+    sizes: tuple[Any, ...]
+    """The parameters that `SIZES` names."""
+
+    @classmethod
+    def of(cls, config: TargetConfig) -> Outline:
+        """That of a configured target."""
+        return cls(config.shape, tuple(getattr(config, name) for name in SIZES[config.shape]))
+
+    def target(self) -> TargetConfig:
+        """A target of this outline; what it weighs and how it moves are the defaults, whether they suit it or not."""
+        sizes = dict(zip(SIZES[self.shape], self.sizes, strict=True))
+        return TargetConfig.model_construct(shape=self.shape, **sizes)
+
+
 def target_shape(config: TargetConfig) -> Shape:
-    """The shape of a configured target."""
-    match config.shape:
+    """The shape of a configured target; not to be written to.
+
+    Raises:
+        ConfigError: its vertices are no convex polygon.
+
+    """
+    return _shape(Outline.of(config))
+
+
+@lru_cache(maxsize=256)
+def _shape(outline: Outline) -> Shape:
+    sizes = outline.sizes
+    match outline.shape:
         case TargetShape.SQUARE:
-            return rectangle(config.side, config.side)
+            return rectangle(sizes[0], sizes[0])
         case TargetShape.RECTANGLE:
-            return rectangle(config.width, config.depth)
+            return rectangle(*sizes)
         case TargetShape.REGULAR_POLYGON:
-            return regular_polygon(config.sides, config.side)
+            return regular_polygon(*sizes)
         case TargetShape.CIRCLE:
-            return circle(config.radius)
-
-
-@compiled
-def in_target(target_pose: FloatArray, x: float, y: float) -> tuple[float, float]:
-    """A world point in the target's frame [m]."""
-    dx, dy = x - target_pose[0], y - target_pose[1]
-    c, s = math.cos(target_pose[2]), math.sin(target_pose[2])
-    return c * dx + s * dy, -s * dx + c * dy
+            return circle(*sizes)
+        case TargetShape.POLYGON:
+            return even_plate(np.array(sizes[0]))

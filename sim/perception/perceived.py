@@ -1,8 +1,10 @@
 """What the controller knows, as one record: `PERCEIVED`. It gets nothing else; the monitor and the log know the truth.
 
-With perfect sensors it is the truth, contact and all. With noise every reading has its own, contact is what the
+With perfect sensors it is the truth, contact and all. With noise every reading has its own, with imperfections what
+its sensor gets wrong; contact is what the
 wrists tell, and a hand that does not touch feels nothing, so that none yields to noise. Where motion capture is the
-source, the motion of base and target is what the filter makes of late pictures, as on the robot.
+source, the motion of base and target is what the filter makes of late pictures, as on the robot. With the model-based
+estimator the filter takes every reading, late or not, knows what the hands feel, and learns the target's inertia.
 """
 
 from __future__ import annotations
@@ -12,15 +14,34 @@ from typing import Any
 
 import numpy as np
 
-from sim.compiled import compiled
-from sim.config import Source
-from sim.model.robot import Chain, RobotModel, chain
-from sim.perception.cameras import CAMERAS, begin_watching, film
+from sim.compiled import FloatArray, compiled, compiled_inline
+from sim.config import Estimator, Source
+from sim.model.reduced_model import CHAIN, SHAPE, set_chain, shape_of_state
+from sim.model.robot import RobotModel
+from sim.model.shape import Shape
+from sim.perception.cameras import CAMERAS, film
 from sim.perception.contact import is_touching, touching_tip
+from sim.perception.imperfections import add_imperfections, is_imperfect
+from sim.perception.motion import (
+    MOTION,
+    assume,
+    begin_estimating,
+    feel,
+    predict,
+    stamp_of,
+    take_readings,
+    tell,
+    watched,
+)
 from sim.perception.sensing import add_noise, is_noisy
-from sim.record import Record, code_of
+from sim.perception.wrists import WRISTS, smooth_wrench, tare_and_smooth
+from sim.record import Record, code_of, copy_rows, copy_vector
 
 _MOTION_CAPTURE = code_of(Source.MOTION_CAPTURE)
+_MODEL_BASED = code_of(Estimator.MODEL_BASED)
+
+_FAR_OFF = 4.0
+"""Times the threshold, a force counts as contact of a hand that should not be able to touch."""
 
 PERCEIVED = np.dtype(
     [
@@ -38,7 +59,15 @@ PERCEIVED = np.dtype(
         ("tip_contact", np.int64, (2, 2)),
         ("touching", np.int64, (2,)),  # each hand, with hysteresis: what is remembered from tick to tick
         ("closed", np.int64),  # the tips enclose the target at its present angle
-        ("cameras", CAMERAS),  # of motion capture: what is remembered from tick to tick
+        ("target_twist_deviation", np.float64, (3,)),  # standard deviation of the twist; zero without an estimator
+        ("target_inertia", np.float64),  # [kg m2]; as assumed without an estimator
+        ("target_inertia_deviation", np.float64),
+        ("target_seen_at", np.float64),  # instant of the last reading of the target that was taken [s]
+        ("motion", MOTION),  # of the estimators: what is remembered from tick to tick
+        ("wrists", WRISTS),  # likewise
+        ("cameras", CAMERAS),  # of motion capture: likewise
+        ("shape", SHAPE),  # the robot's, as it is believed to be; not set where that is the truth
+        ("links", CHAIN),  # likewise
     ],
     align=True,
 )
@@ -48,15 +77,17 @@ Perceived = np.ndarray[Any, np.dtype[Any]]
 """An array of one `PERCEIVED`."""
 
 
-@compiled
+@compiled_inline
 def is_perfect(perception: Record) -> bool:
     """Whether what is known is the truth; `perception` is a record of `PerceptionConfig`."""
-    return perception.source != _MOTION_CAPTURE and not is_noisy(perception.noise)
+    if perception.source == _MOTION_CAPTURE or perception.estimator == _MODEL_BASED:
+        return False
+    return not is_noisy(perception.noise) and not is_imperfect(perception.imperfections)
 
 
-@compiled
-def perceive(known: Record, parameters: Record, robot: RobotModel, state: Record, links: Chain) -> Chain:
-    """What is known of a true state, into one element of `PERCEIVED` but for `closed`; the chain as it is believed.
+@compiled_inline
+def perceive(known: Record, parameters: Record, robot: RobotModel, target: Shape, state: Record) -> bool:
+    """What is known of a true state, into one element of `PERCEIVED` but for `closed`; whether it is the truth.
 
     How far a hand gives way on its mount is known as it is: no sensor of the testbed measures it, its hands are rigid.
 
@@ -64,47 +95,122 @@ def perceive(known: Record, parameters: Record, robot: RobotModel, state: Record
         known: what was known at the tick before, all zero at first; changed.
         parameters: record of `MissionConfig`.
         robot: the robot's model.
+        target: its shape.
         state: the true one, one element of `PLANT_STATE`.
-        links: the chain at that state.
 
     """
-    perception = parameters.perception
     _copy(known, state)
-    if is_perfect(perception):
+    known.target_seen_at = state.time
+    if is_perfect(parameters.perception):
+        _assume_inertia(known, parameters.perception)
         for arm in range(2):
             known.touching[arm] = state.tip_contact[arm, 0] != 0 or state.tip_contact[arm, 1] != 0
-        return links
-    filmed = perception.source == _MOTION_CAPTURE
-    if filmed and not known.cameras.begun:
-        begin_watching(known.cameras, known, parameters.simulation.seed)
+        return True
+    _sense(known, parameters, robot, target)
+    return False
+
+
+@compiled
+def _sense(known: Record, parameters: Record, robot: RobotModel, target: Shape) -> None:
+    """What sensors that are not perfect make of the truth, which `known` holds."""
+    perception = parameters.perception
+    modelled, filmed = perception.estimator == _MODEL_BASED, perception.source == _MOTION_CAPTURE
+    if not known.motion.begun:
+        _begin(known, parameters, filmed)
+    hand_angle = np.empty(2)
+    for arm in range(2):  # before any noise: a bias turns with the hand as it is
+        hand_angle[arm] = known.base_pose[2] + known.joint_angle[arm].sum() + known.mount_angle[arm]
     if is_noisy(perception.noise):
         add_noise(perception.noise, parameters.simulation.seed, known)
-    if filmed:
-        film(known.cameras, known, parameters, robot, known.touching[0] != 0 or known.touching[1] != 0)
-    believed = chain(robot, known.base_pose, known.joint_angle, known.mount_angle)
+    if is_imperfect(perception.imperfections):
+        add_imperfections(perception.imperfections, parameters.simulation.seed, hand_angle, known)
+    shape = shape_of_state(robot, known, known.shape)
+    if modelled or filmed:
+        _estimate(known, parameters, shape, modelled, filmed)
+    set_chain(known.base_pose, shape, known.links)
+    if modelled:
+        _feel_smoothly(known, parameters, robot, target)
+        return
+    _assume_inertia(known, perception)
     for arm in range(2):
-        _feel(known, perception.contact_threshold, robot, believed, arm)
-    return believed
+        _feel(known, known.hand_wrench[arm], perception.contact_threshold, robot, arm)
+
+
+@compiled_inline
+def _assume_inertia(known: Record, perception: Record) -> None:
+    known.target_inertia = perception.assumed_inertia
+    known.target_inertia_deviation = perception.assumed_inertia_uncertainty * perception.assumed_inertia
 
 
 @compiled
+def _begin(known: Record, parameters: Record, filmed: bool) -> None:
+    """Begin to remember, from readings without noise."""
+    motion, seed, stamp = known.motion, parameters.simulation.seed, stamp_of(known.time)
+    begin_estimating(motion, known.joint_angle, known.time)
+    known.cameras.first = known.cameras.after_last = 0
+    if filmed:
+        watched(motion.base, known.base_pose, known.base_twist, seed, known.tick, 0, stamp)
+        watched(motion.target, known.target_pose, known.target_twist, seed, known.tick, 1, stamp)
+    if parameters.perception.estimator == _MODEL_BASED:
+        assume(motion.target, parameters.perception)
+
+
+@compiled
+def _estimate(known: Record, parameters: Record, shape: Record, modelled: bool, filmed: bool) -> None:
+    """Motion of base and target, from this tick's readings or from pictures."""
+    motion, perception = known.motion, parameters.perception
+    touching = known.touching[0] != 0 or known.touching[1] != 0
+    if touching:
+        motion.last_contact = known.time
+    if filmed:
+        known.joint_rate[:] = (known.joint_angle - motion.joint_angle) / parameters.control.period
+        motion.joint_angle[:] = known.joint_angle
+    predict(motion, shape, known)
+    if filmed:
+        film(known.cameras, motion, known, parameters, modelled)
+        known.target_seen_at = 1e-9 * motion.target.stamp
+    else:
+        take_readings(motion, perception, known, touching)
+    tell(motion, perception, known)
+
+
+@compiled
+def _feel_smoothly(known: Record, parameters: Record, robot: RobotModel, target: Shape) -> None:
+    """Contact from tared and smoothed wrenches, which the controller gets; what they do to the bodies is noted."""
+    perception = parameters.perception
+    tare_and_smooth(known.wrists, perception, parameters.control.period, robot, target, known)
+    felt, smooth = known.hand_wrench.copy(), np.empty(3)
+    for arm in range(2):
+        smooth_wrench(known.wrists, arm, known.links.hand_pose[arm, 2], smooth)
+        least = perception.contact_threshold if known.wrists.near[arm] else _FAR_OFF * perception.contact_threshold
+        _feel(known, smooth, least, robot, arm)
+        if known.touching[arm]:
+            known.hand_wrench[arm, :] = smooth
+    feel(known.motion, known, felt)
+
+
+@compiled_inline
 def _copy(known: Record, state: Record) -> None:
     known.tick, known.time = state.tick, state.time
-    known.base_pose[:], known.base_twist[:] = state.base_pose, state.base_twist
-    known.joint_angle[:], known.joint_rate[:] = state.joint_angle, state.joint_rate
-    known.mount_angle[:], known.mount_rate[:] = state.mount_angle, state.mount_rate
-    known.target_pose[:], known.target_twist[:] = state.target_pose, state.target_twist
-    known.hand_wrench[:], known.tip_contact[:] = state.hand_wrench, state.tip_contact
+    copy_vector(known.base_pose, state.base_pose)
+    copy_vector(known.base_twist, state.base_twist)
+    copy_rows(known.joint_angle, state.joint_angle)
+    copy_rows(known.joint_rate, state.joint_rate)
+    copy_vector(known.mount_angle, state.mount_angle)
+    copy_vector(known.mount_rate, state.mount_rate)
+    copy_vector(known.target_pose, state.target_pose)
+    copy_vector(known.target_twist, state.target_twist)
+    copy_rows(known.hand_wrench, state.hand_wrench)
+    copy_rows(known.tip_contact, state.tip_contact)
 
 
 @compiled
-def _feel(known: Record, threshold: float, robot: RobotModel, links: Chain, arm: int) -> None:
-    """Contact of one hand, from its wrench."""
-    force = math.hypot(known.hand_wrench[arm, 0], known.hand_wrench[arm, 1])
-    touching = is_touching(known.touching[arm] != 0, force, threshold)
+def _feel(known: Record, wrench: FloatArray, threshold: float, robot: RobotModel, arm: int) -> None:
+    """Contact of one hand, from its wrench, shape (3,)."""
+    touching = is_touching(known.touching[arm] != 0, math.hypot(wrench[0], wrench[1]), threshold)
     known.touching[arm] = touching
     known.tip_contact[arm, :] = 0
     if touching:
-        known.tip_contact[arm, touching_tip(robot, links.hand_pose[arm], known.hand_wrench[arm])] = 1
+        known.tip_contact[arm, touching_tip(robot, known.links.hand_pose[arm], wrench)] = 1
     else:
         known.hand_wrench[arm, :] = 0.0

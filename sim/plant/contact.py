@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 from sim.compiled import FloatArray, compiled
 from sim.config import CornerContact
-from sim.model.planar import point_velocity, rotated
+from sim.model.planar import in_frame, point_velocity, rotated
 from sim.model.shape import Shape, facing_side, surface
-from sim.model.target import in_target
 from sim.record import Record, code_of
 
 _FACE = code_of(CornerContact.FACE)
@@ -112,9 +111,10 @@ def tip_contact(
 
     """
     reach = shape.corner_circle + radius
-    if math.hypot(tip_x - target_pose[0], tip_y - target_pose[1]) > reach:
+    apart_x, apart_y = tip_x - target_pose[0], tip_y - target_pose[1]
+    if apart_x * apart_x + apart_y * apart_y > reach * reach:
         return TipContact(False, 0.0, 0.0, tip_x, tip_y)
-    x, y = in_target(target_pose, tip_x, tip_y)
+    x, y = in_frame(target_pose, tip_x, tip_y)
     depth, normal_u, normal_v = penetration(shape, radius, law.corner, x, y)
     if depth <= 0.0:
         return TipContact(False, 0.0, 0.0, tip_x, tip_y)

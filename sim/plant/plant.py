@@ -13,8 +13,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numba.extending import overload
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import INLINE, FloatArray, compiled_inline
 from sim.model.generalized_jacobian import is_finite
+from sim.model.reduced_model import shape_of_state
 from sim.record import Record
 
 PLANT_STATE = np.dtype(
@@ -104,12 +105,25 @@ class _PlantKernel(NamedTuple):
 
     step: Callable[..., None]
     momentum_size: Callable[..., float]
+    shape: Callable[..., Record]
 
 
 _KERNELS: dict[type, _PlantKernel] = {}
 
 
-def register_kernel(handle: type, *, step: Callable[..., None], momentum_size: Callable[..., float]) -> None:
+@compiled_inline
+def _shape_from_state(handle: PlantHandle, robot: Record, state: Record, shape: Record) -> Record:
+    """The shape of a robot whose plant does not have it."""
+    return shape_of_state(robot, state, shape)
+
+
+def register_kernel(
+    handle: type,
+    *,
+    step: Callable[..., None],
+    momentum_size: Callable[..., float],
+    shape: Callable[..., Record] = _shape_from_state,
+) -> None:
     """Register what a step of a plant with that class of handle is.
 
     Args:
@@ -118,9 +132,11 @@ def register_kernel(handle: type, *, step: Callable[..., None], momentum_size: C
             (2, 3); the state is read back.
         momentum_size: compiled, `(handle) -> float`: the sum of the sizes of all bodies' momenta [N s, with N m s at
             1 m], by which a jump of the total is judged.
+        shape: compiled, `(handle, robot, state, shape) -> shape`: the robot's shape at the state, a record of `SHAPE`:
+            the one given, once it is set, or one that the plant has already.
 
     """
-    _KERNELS[handle] = _PlantKernel(step, momentum_size)
+    _KERNELS[handle] = _PlantKernel(step, momentum_size, shape)
 
 
 def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
@@ -133,9 +149,14 @@ def _momentum_size(handle: PlantHandle) -> float:
     raise NotImplementedError
 
 
+def robot_shape(handle: PlantHandle, robot: Record, state: Record, shape: Record) -> Record:
+    """The robot's shape at a plant's state, a record of `SHAPE`; the one given is for plants that have none."""
+    raise NotImplementedError
+
+
 def _overloads(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Numba's `overload`, which has no types of its own."""
-    result: Callable[[Callable[..., Any]], Callable[..., Any]] = overload(function)
+    result: Callable[[Callable[..., Any]], Callable[..., Any]] = overload(function, jit_options=INLINE)
     return result
 
 
@@ -159,24 +180,42 @@ def _momentum_size_of(handle: Any) -> Any:
     return momentum_size
 
 
-@compiled
+@_overloads(robot_shape)
+def _robot_shape_of(handle: Any, robot: Any, state: Any, shape: Any) -> Any:
+    kernel_shape = _KERNELS[handle.instance_class].shape
+
+    def robot_shape(handle: Any, robot: Any, state: Any, shape: Any) -> Any:
+        return kernel_shape(handle, robot, state, shape)
+
+    return robot_shape
+
+
+@compiled_inline
 def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
     """Step a plant through one control period under joint rates [rad/s], shape (2, 3).
 
     The state is read back after every step. Returns False if it can no longer be trusted: it is not finite, or
     total momentum has jumped.
     """
-    before = state.momentum.copy()
+    before_x, before_y, before_angular = state.momentum[0], state.momentum[1], state.momentum[2]
     steps = round(parameters.control.period / parameters.simulation.time_step)
     for _ in range(steps):
         _step(handle, parameters, joint_rate, state)
     state.tick += 1
     state.time = state.tick * parameters.control.period
     limit = parameters.simulation.momentum_jump_limit * _momentum_size(handle)
-    kept = True
-    for axis in range(3):
-        kept = kept and abs(state.momentum[axis] - before[axis]) <= limit
-    return kept and is_finite(state.base_pose) and is_finite(state.target_pose) and is_finite(state.joint_rate)
+    kept = (
+        abs(state.momentum[0] - before_x) <= limit
+        and abs(state.momentum[1] - before_y) <= limit
+        and abs(state.momentum[2] - before_angular) <= limit
+    )
+    return bool(
+        kept
+        and is_finite(state.base_pose)
+        and is_finite(state.target_pose)
+        and is_finite(state.joint_rate[0])
+        and is_finite(state.joint_rate[1])
+    )
 
 
 def diverged_at(time: float) -> str:

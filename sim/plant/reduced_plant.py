@@ -15,30 +15,23 @@ Contact is that of `sim.plant.contact`, for tips and solids alike (docs/decision
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import HandMount, MissionConfig
 from sim.errors import PlantDiverged
 from sim.model.clearance import initial_base_pose, initial_target_pose
-from sim.model.planar import cross, point_velocity, rotated
+from sim.model.planar import cross, direction, in_frame, point_velocity
+from sim.model.reduced_model import FREE, SHAPE, body_place, joint_place, reduced_inertia, set_shape, solve_in_place
 from sim.model.robot import JOINTS, LINKS, RobotModel, base_shape, initial_joint_angles, robot_model
 from sim.model.shape import Shape, surface
-from sim.model.target import TargetModel, in_target, target_model
+from sim.model.target import TargetModel, target_model
 from sim.plant.contact import contact_force, tip_contact
 from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, copy_state, diverged_at, register_kernel
-from sim.plant.reduced_model import (
-    FREE,
-    SHAPE,
-    joint_place,
-    reduced_inertia,
-    set_shape,
-    solve_in_place,
-)
 from sim.plant.solid_contact import Solids, depth_in_capsule_side, solids
-from sim.record import Record, packed, record_of
+from sim.record import Record, copy_vector, packed, record_of
 
 StateArray = np.ndarray[Any, np.dtype[Any]]
 
@@ -157,7 +150,24 @@ class ReducedPlant:
         self.handle = ReducedHandle(_plant_record(fixed))
         self._own: StateArray = self.handle.plant["own"]
         _lay_out(self._own, config)
-        _begin(self.handle.plant[0], self.parameters, initial_base_pose(config), self.state)
+        self._begin(initial_base_pose(config), np.zeros(3))
+
+    @classmethod
+    def standing(cls, config: MissionConfig, state: Record) -> Self:
+        """Robot and target as configured, where a state has them.
+
+        Args:
+            config: what they are.
+            state: one element of `PLANT_STATE`; contacts, wrenches and momentum of it follow from the rest, and are
+                found again.
+
+        """
+        plant = cls(config)
+        stand(plant.handle, plant.parameters, state, plant.state)
+        return plant
+
+    def _begin(self, base_pose: FloatArray, base_twist: FloatArray) -> None:
+        _begin(self.handle.plant[0], self.parameters, base_pose, base_twist, self.state)
 
     @property
     def next_tick(self) -> int:
@@ -190,6 +200,7 @@ class ReducedPlant:
         """
         self._own[:] = saved.own
         copy_state(self.state, saved.state)
+        _set_shape(self.handle.plant[0], self.handle.plant[0]["end"])
 
 
 def _fixed(config: MissionConfig, table: AirTable) -> Fixed:
@@ -280,26 +291,83 @@ def _moments(z: float) -> tuple[float, float, float]:
 
 
 @compiled
-def _begin(plant: Record, parameters: Record, base_pose: FloatArray, state: Record) -> None:
+def stand(handle: ReducedHandle, parameters: Record, where: Record, state: Record) -> None:
+    """Put robot and target where one state has them; what follows from that, contacts too, into the other.
+
+    Args:
+        handle: of the plant.
+        parameters: record of the configuration.
+        where: one element of `PLANT_STATE`; its contacts, wrenches and momentum are not read.
+        state: likewise; changed.
+
+    """
+    own = handle.plant[0].own
+    for arm in range(2):
+        for link in range(JOINTS):
+            own.joint_angle[joint_place(arm, link)] = where.joint_angle[arm, link]
+            own.joint_rate[joint_place(arm, link)] = where.joint_rate[arm, link]
+        own.joint_angle[joint_place(arm, JOINTS)] = where.mount_angle[arm]
+        own.joint_rate[joint_place(arm, JOINTS)] = where.mount_rate[arm]
+    copy_vector(own.target_pose, where.target_pose)
+    copy_vector(own.target_twist, where.target_twist)
+    state.tick, state.time = where.tick, where.time
+    _begin(handle.plant[0], parameters, where.base_pose, where.base_twist, state)
+
+
+@compiled
+def _begin(plant: Record, parameters: Record, base_pose: FloatArray, base_twist: FloatArray, state: Record) -> None:
     """Everything that follows from joints, base and target at the start; contacts, too."""
     own = plant.own
-    set_shape(plant.robot, own.joint_angle, plant.end)
-    dx, dy = rotated(base_pose[2], plant.end.centre[0], plant.end.centre[1])
-    own.centre[0], own.centre[1], own.base_angle = base_pose[0] + dx, base_pose[1] + dy, base_pose[2]
+    _set_shape(plant, plant.end)
+    c, s = direction(base_pose[2])
+    x, y = plant.end.centre[0], plant.end.centre[1]
+    own.centre[0], own.centre[1] = base_pose[0] + c * x - s * y, base_pose[1] + s * x + c * y
+    own.base_angle = base_pose[2]
     _keep_shape(plant)
     _place_base(plant, state)
+    _take_momentum(plant, base_twist)
     _predict(plant, 0.0)
     _find_contacts(plant, parameters, state)
     _report(plant, state)
 
 
 @compiled
+def _take_momentum(plant: Record, base_twist: FloatArray) -> None:
+    """The robot's momentum that gives its base that twist at the joint rates as they are: `_base_twist` the other way.
+
+    A robot at rest has none, to the last bit.
+    """
+    own, rest = plant.own, np.empty(3)
+    own.momentum[:] = 0.0
+    if not base_twist.any() and not own.joint_rate.any():
+        return
+    _base_twist(plant, own.momentum, rest)
+    spin = (base_twist[2] - rest[2]) / plant.end.inverse_inertia
+    own.momentum[2] = spin
+    _base_twist(plant, own.momentum, rest)
+    for axis in range(2):
+        own.momentum[axis] = plant.total_mass * (base_twist[axis] - rest[axis])
+
+
+@compiled_inline
+def _set_shape(plant: Record, shape: Record) -> None:
+    """The robot's shape at the joint angles as they are, into a record of `SHAPE`."""
+    angle = plant.own.joint_angle
+    for arm in range(2):
+        turn = 0.0
+        for link in range(LINKS):
+            turn += angle[joint_place(arm, link)]
+            shape.turn[body_place(arm, link)] = turn
+    set_shape(plant.robot, shape)
+
+
+@compiled_inline
 def _step(handle: ReducedHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
     """One physics step under joint rates [rad/s], shape (2, 3); the state is that of its end."""
     plant = handle.plant[0]
     step = parameters.simulation.time_step
     own, before = plant.own, plant.scratch.acceleration
-    before[:] = own.joint_acceleration
+    copy_vector(before, own.joint_acceleration)
     _settle(plant, parameters, joint_rate, step)
     _kick(plant, 0.5 * step)
     _drift(plant, step)
@@ -312,7 +380,7 @@ def _step(handle: ReducedHandle, parameters: Record, joint_rate: FloatArray, sta
     _report(plant, state)
 
 
-@compiled
+@compiled_inline
 def _settle(plant: Record, parameters: Record, joint_rate: FloatArray, step: float) -> None:
     """The rates to which the servos decay: those commanded, giving way to contact, within the torque limit."""
     own, servo, scratch = plant.own, plant.servo, plant.scratch
@@ -338,10 +406,10 @@ def _limit_torque(plant: Record, limit: float, step: float) -> None:
     a positive definite H*).
     """
     own, servo, scratch = plant.own, plant.servo, plant.scratch
-    set_shape(plant.robot, own.joint_angle, plant.middle)
+    _set_shape(plant, plant.middle)
     reduced_inertia(plant.total_mass, plant.middle, scratch.matrix)
     scratch.saturated[:] = 0
-    scratch.wanted[:] = scratch.change
+    copy_vector(scratch.wanted, scratch.change)
     for _ in range(_MOST_PIVOTS):
         if not _put_one_right(plant, limit * step):
             break
@@ -398,7 +466,7 @@ def _change_saturated(plant: Record, impulse: float) -> None:
             count += 1
 
 
-@compiled
+@compiled_inline
 def _kick(plant: Record, time: float) -> None:
     """Momentum and the target's twist by forces, drag and tilt held for that long [s]."""
     own, table, target = plant.own, plant.table, plant.target
@@ -415,7 +483,7 @@ def _kick(plant: Record, time: float) -> None:
             own.target_twist[axis] *= left
 
 
-@compiled
+@compiled_inline
 def _drift(plant: Record, step: float) -> None:
     """Positions and joint rates at the end of the step, at momenta as they are."""
     own, servo, settled = plant.own, plant.servo, plant.scratch.settled
@@ -424,9 +492,9 @@ def _drift(plant: Record, step: float) -> None:
         start = own.joint_angle[joint]
         own.joint_angle[joint] = start + settled[joint] * 0.5 * step + excess * servo.half_travel
         plant.scratch.change[joint] = start + settled[joint] * step + excess * servo.travel
-    set_shape(plant.robot, own.joint_angle, plant.middle)
-    own.joint_angle[:] = plant.scratch.change
-    set_shape(plant.robot, own.joint_angle, plant.end)
+    _set_shape(plant, plant.middle)
+    copy_vector(own.joint_angle, plant.scratch.change)
+    _set_shape(plant, plant.end)
     own.base_angle += _turn(plant, step)
     for joint in range(FREE):
         own.joint_rate[joint] = settled[joint] + (own.joint_rate[joint] - settled[joint]) * servo.decay
@@ -437,7 +505,7 @@ def _drift(plant: Record, step: float) -> None:
     _keep_shape(plant)
 
 
-@compiled
+@compiled_inline
 def _turn(plant: Record, step: float) -> float:
     """The base's turn in the step [rad]: base rate = L / I + c . (joint rates), I and c at three instants."""
     own, servo, settled = plant.own, plant.servo, plant.scratch.settled
@@ -454,26 +522,26 @@ def _turn(plant: Record, step: float) -> float:
     return float(turn)
 
 
-@compiled
+@compiled_inline
 def _keep_shape(plant: Record) -> None:
     """What the next step needs of the shape at its start."""
     own = plant.own
     own.inverse_inertia = plant.end.inverse_inertia
-    own.base_per_joint[:] = plant.end.base_per_joint
+    copy_vector(own.base_per_joint, plant.end.base_per_joint)
 
 
-@compiled
+@compiled_inline
 def _place_base(plant: Record, state: Record) -> None:
     """The base's pose from the centre of mass and the base's angle."""
     own, end, axes = plant.own, plant.end, plant.scratch.axes
-    c, s = math.cos(own.base_angle), math.sin(own.base_angle)
+    c, s = direction(own.base_angle)
     axes[0], axes[1] = c, s
     state.base_pose[0] = own.centre[0] - (c * end.centre[0] - s * end.centre[1])
     state.base_pose[1] = own.centre[1] - (s * end.centre[0] + c * end.centre[1])
     state.base_pose[2] = own.base_angle
 
 
-@compiled
+@compiled_inline
 def _predict(plant: Record, time: float) -> None:
     """Momentum and target twist that long from now [s] under the forces as they are, and the base's twist then."""
     own, target, scratch = plant.own, plant.target, plant.scratch
@@ -484,7 +552,7 @@ def _predict(plant: Record, time: float) -> None:
     _base_twist(plant, scratch.momentum, scratch.base_twist)
 
 
-@compiled
+@compiled_inline
 def _base_twist(plant: Record, momentum: FloatArray, twist: FloatArray) -> None:
     """Of the base's centre of mass at the end of the step, from the robot's momentum, shape (3,), and joint rates."""
     own, end, axes = plant.own, plant.end, plant.scratch.axes
@@ -502,7 +570,7 @@ def _base_twist(plant: Record, momentum: FloatArray, twist: FloatArray) -> None:
     twist[2] = rate
 
 
-@compiled
+@compiled_inline
 def _find_contacts(plant: Record, parameters: Record, state: Record) -> None:
     """All contacts at the poses of the end of the step: forces, the joints' accelerations by them, and counts."""
     own = plant.own
@@ -528,7 +596,7 @@ def _find_contacts(plant: Record, parameters: Record, state: Record) -> None:
         _accelerate_joints(plant)
 
 
-@compiled
+@compiled_inline
 def _target_in_base(plant: Record, state: Record) -> tuple[float, float]:
     """The target's centre in base axes from the base's centre of mass [m]."""
     own, axes = plant.own, plant.scratch.axes
@@ -536,13 +604,13 @@ def _target_in_base(plant: Record, state: Record) -> tuple[float, float]:
     return axes[0] * dx + axes[1] * dy, -axes[1] * dx + axes[0] * dy
 
 
-@compiled
+@compiled_inline
 def _within(reach: float, x: float, y: float) -> bool:
     """Whether a vector is no longer than that."""
     return x * x + y * y <= reach * reach
 
 
-@compiled
+@compiled_inline
 def _is_near_arm(plant: Record, arm: int, x: float, y: float) -> bool:
     """Whether the target, centred there in base axes [m], may touch a part of the arm."""
     joint, hand, solids = plant.end.joint, plant.end.hand, plant.solids
@@ -556,7 +624,7 @@ def _is_near_arm(plant: Record, arm: int, x: float, y: float) -> bool:
     return False
 
 
-@compiled
+@compiled_inline
 def _place_arm(plant: Record, arm: int, state: Record) -> None:
     """Joints, hand centre and their predicted twists in the world."""
     own, end, axes, scratch = plant.own, plant.end, plant.scratch.axes, plant.scratch
@@ -583,13 +651,14 @@ def _touch_tips(plant: Record, parameters: Record, arm: int, state: Record) -> b
     """Contact of both tips of a hand, into the state and as forces; whether there is any."""
     own, scratch = plant.own, plant.scratch
     hand, hand_twist = scratch.point[LINKS], scratch.twist[LINKS]
+    cosine, sine = _hand_axes(plant, arm)
     touching = False
     for tip in range(2):
         offset = plant.robot.tip_offset if tip == 1 else -plant.robot.tip_offset
-        dx, dy = rotated(hand[2], offset, 0.0)
         contact = tip_contact(
             parameters.contact, plant.target.shape, plant.robot.tip_radius,
-            hand[0] + dx, hand[1] + dy, hand, hand_twist, own.target_pose, scratch.target_twist,
+            hand[0] + offset * cosine, hand[1] + offset * sine, hand, hand_twist,
+            own.target_pose, scratch.target_twist,
         )  # fmt: skip
         if contact.touching:
             touching = True
@@ -602,6 +671,14 @@ def _touch_tips(plant: Record, parameters: Record, arm: int, state: Record) -> b
             _push_arm(plant, arm, JOINTS, fx, fy, px, py)
             _push(plant, fx, fy, px, py)
     return touching
+
+
+@compiled_inline
+def _hand_axes(plant: Record, arm: int) -> tuple[float, float]:
+    """Cosine and sine of a hand's angle in the world."""
+    axes, end = plant.scratch.axes, plant.end
+    c, s = end.cosine[body_place(arm, JOINTS)], end.sine[body_place(arm, JOINTS)]
+    return axes[0] * c - axes[1] * s, axes[1] * c + axes[0] * s
 
 
 @compiled
@@ -617,15 +694,20 @@ def _touch_links(plant: Record, parameters: Record, arm: int) -> int:
             start_y += part * (point[1, 1] - start_y)
         end_x, end_y = point[link + 1, 0], point[link + 1, 1]
         count += _touch_capsule(plant, parameters, arm, link, solids.link_radius, start_x, start_y, end_x, end_y)
+    c, s = _hand_axes(plant, arm)
     hand = point[LINKS]
+    end_x, end_y = _at(hand, c, s, solids.outline[0])
     for side in range(3):
-        start_x, start_y = rotated(hand[2], solids.outline[side, 0], solids.outline[side, 1])
-        end_x, end_y = rotated(hand[2], solids.outline[side + 1, 0], solids.outline[side + 1, 1])
-        count += _touch_capsule(
-            plant, parameters, arm, JOINTS, solids.finger_radius,
-            hand[0] + start_x, hand[1] + start_y, hand[0] + end_x, hand[1] + end_y,
-        )  # fmt: skip
+        start_x, start_y = end_x, end_y
+        end_x, end_y = _at(hand, c, s, solids.outline[side + 1])
+        count += _touch_capsule(plant, parameters, arm, JOINTS, solids.finger_radius, start_x, start_y, end_x, end_y)
     return count
+
+
+@compiled_inline
+def _at(origin: FloatArray, c: float, s: float, point: FloatArray) -> tuple[float, float]:
+    """A point of a frame whose axes have that cosine and sine, in the world [m]."""
+    return origin[0] + (c * point[0] - s * point[1]), origin[1] + (s * point[0] + c * point[1])
 
 
 @compiled
@@ -642,40 +724,55 @@ def _touch_capsule(
 ) -> int:
     """Contact of one capsule of a link or hand: its ends in the target, the target's corners in it; 1 if any."""
     target, shape = plant.own.target_pose, plant.target.shape
-    reach = math.hypot(end_x - start_x, end_y - start_y) / 2.0 + radius + shape.corner_circle
-    if not _within(reach, 0.5 * (start_x + end_x) - target[0], 0.5 * (start_y + end_y) - target[1]):
+    from_x, from_y, to_x, to_y = start_x - target[0], start_y - target[1], end_x - target[0], end_y - target[1]
+    if not _passes_within(radius + shape.corner_circle, from_x, from_y, to_x, to_y):
         return 0
+    c, s = direction(target[2])
+    start_u, start_v = c * from_x + s * from_y, c * from_y - s * from_x
+    end_u, end_v = c * to_x + s * to_y, c * to_y - s * to_x
     touching = 0
     for end in range(2):
-        x, y = (start_x, start_y) if end == 0 else (end_x, end_y)
-        u, v = in_target(target, x, y)
+        u, v = (start_u, start_v) if end == 0 else (end_u, end_v)
         distance, normal_u, normal_v = surface(shape, u, v)
         if distance < radius:
-            nx, ny = rotated(target[2], normal_u, normal_v)
+            x, y = (start_x, start_y) if end == 0 else (end_x, end_y)
+            nx, ny = c * normal_u - s * normal_v, s * normal_u + c * normal_v
             _press(plant, parameters, arm, link, radius - distance, nx, ny, x - radius * nx, y - radius * ny)
             touching = 1
     for corner in range(shape.corners):
-        x, y = _corner(shape, target, corner)
+        u, v = shape.vertices[corner, 0], shape.vertices[corner, 1]
         reach = radius + shape.rounding
-        depth, nx, ny = depth_in_capsule_side(start_x, start_y, end_x, end_y, reach, x, y)
+        depth, normal_u, normal_v = depth_in_capsule_side(start_u, start_v, end_u, end_v, reach, u, v)
         if depth > 0.0:
-            px, py = x - shape.rounding * nx, y - shape.rounding * ny
-            _press(plant, parameters, arm, link, depth, -nx, -ny, px, py)
+            u, v = u - shape.rounding * normal_u, v - shape.rounding * normal_v
+            x, y = target[0] + (c * u - s * v), target[1] + (s * u + c * v)
+            nx, ny = s * normal_v - c * normal_u, -s * normal_u - c * normal_v
+            _press(plant, parameters, arm, link, depth, nx, ny, x, y)
             touching = 1
     return touching
+
+
+@compiled_inline
+def _passes_within(reach: float, start_x: float, start_y: float, end_x: float, end_y: float) -> bool:
+    """Whether a straight way comes that near to the origin."""
+    along_x, along_y = end_x - start_x, end_y - start_y
+    length_squared = along_x * along_x + along_y * along_y
+    part = -(start_x * along_x + start_y * along_y)
+    part = 0.0 if part <= 0.0 else min(1.0, part / length_squared)
+    return _within(reach, start_x + part * along_x, start_y + part * along_y)
 
 
 @compiled
 def _corner(shape: Record, pose: FloatArray, corner: int) -> tuple[float, float]:
     """A corner of a shape whose frame has that pose, in the world [m]."""
-    dx, dy = rotated(pose[2], shape.vertices[corner, 0], shape.vertices[corner, 1])
-    return pose[0] + dx, pose[1] + dy
+    c, s = direction(pose[2])
+    return _at(pose, c, s, shape.vertices[corner])
 
 
 @compiled
 def _touch_base(plant: Record, parameters: Record, state: Record) -> int:
     """Contact of the base: its corners in the target and the target's in it; 1 if any."""
-    plant.scratch.point[0, :] = state.base_pose
+    copy_vector(plant.scratch.point[0], state.base_pose)
     base, target = plant.base_shape, plant.target.shape
     pushing = _press_corners(plant, parameters, base, state.base_pose, target, plant.own.target_pose, 1.0)
     pushed = _press_corners(plant, parameters, target, plant.own.target_pose, base, state.base_pose, -1.0)
@@ -707,11 +804,12 @@ def _press_corners(
     touching = 0
     for corner in range(shape.corners):
         x, y = _corner(shape, pose, corner)
-        u, v = in_target(other_pose, x, y)
+        u, v = in_frame(other_pose, x, y)
         distance, normal_u, normal_v = surface(other, u, v)
         depth = shape.rounding - distance
         if depth > 0.0:
-            nx, ny = rotated(other_pose[2], normal_u, normal_v)
+            c, s = direction(other_pose[2])
+            nx, ny = c * normal_u - s * normal_v, s * normal_u + c * normal_v
             px, py = x - shape.rounding * nx, y - shape.rounding * ny
             _press(plant, parameters, _BASE, 0, depth, way * nx, way * ny, px, py)
             touching = 1
@@ -797,7 +895,7 @@ def _accelerate_joints(plant: Record) -> None:
         own.joint_acceleration[joint] = scratch.torque[joint]
 
 
-@compiled
+@compiled_inline
 def _report(plant: Record, state: Record) -> None:
     """What the plant reports beside the base's pose and the contacts."""
     own = plant.own
@@ -808,7 +906,8 @@ def _report(plant: Record, state: Record) -> None:
             state.joint_angle[arm, link], state.joint_rate[arm, link] = own.joint_angle[joint], own.joint_rate[joint]
         mount = joint_place(arm, JOINTS)
         state.mount_angle[arm], state.mount_rate[arm] = own.joint_angle[mount], own.joint_rate[mount]
-    state.target_pose[:], state.target_twist[:] = own.target_pose, own.target_twist
+    copy_vector(state.target_pose, own.target_pose)
+    copy_vector(state.target_twist, own.target_twist)
     mass = plant.target.mass
     target_x, target_y = mass * own.target_twist[0], mass * own.target_twist[1]
     state.momentum[0] = own.momentum[0] + target_x
@@ -821,14 +920,19 @@ def _report(plant: Record, state: Record) -> None:
     )
 
 
-@compiled
+@compiled_inline
 def _momentum_size(handle: ReducedHandle) -> float:
     """The sum of the sizes of the robot's and the target's momenta [N s, with N m s at 1 m]."""
     own, target = handle.plant[0].own, handle.plant[0].target
-    size = _STILL + math.hypot(own.momentum[0], own.momentum[1]) + abs(own.momentum[2])
-    speed = math.hypot(own.target_twist[0], own.target_twist[1])
-    size += target.mass * speed + target.inertia * abs(own.target_twist[2])
-    return float(size)
+    size = _STILL + abs(own.momentum[0]) + abs(own.momentum[1]) + abs(own.momentum[2])
+    size += target.mass * (abs(own.target_twist[0]) + abs(own.target_twist[1]))
+    return float(size + target.inertia * abs(own.target_twist[2]))
 
 
-register_kernel(ReducedHandle, step=_step, momentum_size=_momentum_size)
+@compiled_inline
+def _shape(handle: ReducedHandle, robot: Record, state: Record, shape: Record) -> Record:
+    """The robot's shape at the end of the last step, which that step has found: `shape_of_state` gives the same."""
+    return handle.plant[0].end
+
+
+register_kernel(ReducedHandle, step=_step, momentum_size=_momentum_size, shape=_shape)

@@ -61,7 +61,7 @@ def depth_in_capsule_side(
 ) -> tuple[float, float, float]:
     """Depth [m] of a point in a capsule between its ends, and the outward normal there; beside an end: -radius."""
     along_x, along_y = end_x - start_x, end_y - start_y
-    length = math.hypot(along_x, along_y)
+    length = math.sqrt(along_x * along_x + along_y * along_y)
     if length == 0.0:
         return -radius, 0.0, 0.0
     ux, uy = along_x / length, along_y / length

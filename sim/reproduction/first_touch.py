@@ -16,9 +16,9 @@ import numpy as np
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.control.admittance import admittance_transition, admitted
-from sim.model.planar import rotated
+from sim.model.planar import in_frame, rotated
 from sim.model.shape import Shape
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 from sim.plant.contact import tip_contact
 from sim.record import Record, packed, record_of
 
@@ -93,7 +93,7 @@ def _tip_in_target(state: TouchState, config: MissionConfig) -> tuple[float, flo
     best = (math.inf, 0.0)
     for across in state.tip_across:
         dx, dy = rotated(state.hand_pose[2], across, 0.0)
-        u, v = in_target(state.target_pose, state.hand_pose[0] + dx, state.hand_pose[1] + dy)
+        u, v = in_frame(state.target_pose, state.hand_pose[0] + dx, state.hand_pose[1] + dy)
         outwards, along = (abs(u), v) if abs(u) > abs(v) else (abs(v), u)
         if outwards - half < best[0] - half:
             best = (outwards, along)

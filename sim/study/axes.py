@@ -28,7 +28,7 @@ from pydantic import (
 from sim.compiled import FloatArray
 from sim.config import PARAMETERS
 from sim.configurations import bracketed_unit, unknown_parameter
-from sim.parameters import Number, WholeNumber
+from sim.parameters import Number, Points, WholeNumber
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
 Value = float | int | str
@@ -252,6 +252,21 @@ def require_parameter(path: str, where: str) -> None:
     """
     if path not in PARAMETERS:
         raise ValueError(f"{where}.{unknown_parameter(path)}")
+
+
+def require_axis(path: str, where: str) -> None:
+    """Refuse a path that is not a parameter, or whose values a table has no column for.
+
+    Raises:
+        ValueError: the message says why.
+
+    """
+    require_parameter(path, where)
+    if PARAMETERS[path].annotation == Points:
+        raise ValueError(
+            f"{where}.{path} cannot vary within a study: it is a list of points, and a column of the table holds one "
+            f"number or choice; give it under changes, in a study of its own for each"
+        )
 
 
 def checked(path: str, value: Any, where: str) -> Value:

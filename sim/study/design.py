@@ -19,7 +19,7 @@ from pydantic import Field, JsonValue, ValidationError, ValidationInfo, field_va
 
 from sim.config import Engine, MissionConfig, NamesVersion
 from sim.configurations import (
-    DEFAULT_CONFIGURATION,
+    REFERENCE_CONFIGURATION,
     named_configuration,
     nested,
     read_config_file,
@@ -43,12 +43,14 @@ from sim.study.axes import (
     Value,
     checked,
     is_number,
+    require_axis,
     require_parameter,
     why_gone,
 )
 
 SEED = "simulation.seed"
 
+METHOD = "method"
 ENGINE = "simulation.engine"
 STUDY_ENGINE = Engine.REDUCED
 """The engine of a study that names none; its definition then names it, so that a stored one always does."""
@@ -82,7 +84,7 @@ class Study(StudyModel):
     version: NamesVersion = Field(default_factory=config_version, description="Of the parameters' names")
     name: str = Field("study", min_length=1)
     description: str = ""
-    configuration: str = DEFAULT_CONFIGURATION
+    configuration: str = REFERENCE_CONFIGURATION
     changes: dict[str, JsonValue] = Field(default_factory=dict, description="Full path to value, for all cells")
     direct: bool = Field(False, description="Direct caging, without detumbling")
     seed: WholeNumber = Field(0, ge=0, le=2**63 - 1, description="Of the sample's points and of every cell's own seed")
@@ -134,9 +136,10 @@ class Study(StudyModel):
         """What a stored study varied may have been removed since: its rows are read all the same."""
         sampled = self.samples.over if self.samples else {}
         for where, paths in (("grid", self.grid), ("samples.over", sampled), ("changes", self.changes)):
+            require = require_parameter if where == "changes" else require_axis
             for path in paths:
                 if not (stored and why_gone(path)):
-                    require_parameter(path, where)
+                    require(path, where)
 
     def _require_each_path_once(self) -> None:
         sampled = self.samples.over if self.samples else {}

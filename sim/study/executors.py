@@ -1,4 +1,4 @@
-"""The cells of a study on any `concurrent.futures.Executor`; `local_workers` are processes on this machine.
+"""The cells of a study on any `concurrent.futures.Executor`: processes on this machine, or threads of this one.
 
 Each cell gives one row, whatever happens to the processes that fly it. A worker that dies breaks the executor
 (`BrokenExecutor`); the cells that it was flying are then flown again, one at a time, so that the one that
@@ -20,6 +20,7 @@ from concurrent.futures import (
     Executor,
     Future,
     ProcessPoolExecutor,
+    ThreadPoolExecutor,
     wait,
 )
 from dataclasses import dataclass
@@ -80,6 +81,16 @@ def local_workers(count: int, niceness: int = 0) -> Workers:
     """That many processes on this machine."""
     words = f"{count} {'process' if count == 1 else 'processes'} on this machine"
     return Workers(partial(LocalProcesses, count, niceness), count, words)
+
+
+def local_threads(count: int) -> Workers:
+    """That many threads of this process, which compiled code lets run side by side.
+
+    They start at once, where a process takes seconds to load what is compiled; but what one of them makes crash takes
+    all along, and Python's part of a cell, a fifth, is done by one at a time.
+    """
+    words = f"{count} {'thread' if count == 1 else 'threads'} of this process"
+    return Workers(partial(ThreadPoolExecutor, count), count, words)
 
 
 def begin_worker(niceness: int) -> None:

@@ -42,8 +42,11 @@ def outcome_frequencies(study: Study, rows: Iterable[Row]) -> list[OutcomeFreque
 
 
 def _frequency(outcome: str, cells: int, total: int, *, sampled: bool) -> OutcomeFrequency:
-    low = high = None
-    if sampled:
-        interval = scipy.stats.binomtest(cells, total).proportion_ci(CONFIDENCE, method="wilson")
-        low, high = float(interval.low), float(interval.high)
+    low, high = share_interval(cells, total) if sampled else (None, None)
     return OutcomeFrequency(outcome=outcome, cells=cells, share=cells / total, low=low, high=high)
+
+
+def share_interval(count: int, total: int) -> tuple[float, float]:
+    """The confidence interval of a share that was seen so often in independent draws (Wilson 1927)."""
+    interval = scipy.stats.binomtest(count, total).proportion_ci(CONFIDENCE, method="wilson")
+    return float(interval.low), float(interval.high)

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from sim.capture.mission import prepare
 from sim.capture.run import run_capture
 from sim.config import PARAMETERS, MissionConfig, OutcomeRule
 from sim.errors import CaptureError
+from sim.record import Record
 from sim.snapshot import Outcome, Touch
 from sim.study.axes import parameter_words
-from sim.study.capture_metrics import CaptureMetrics
+from sim.study.capture_metrics import capture_metrics
 from sim.study.design import Cell, Study, configured
 
 Row = Mapping[str, Any]
@@ -86,15 +88,28 @@ def fly_cell(task: CellTask) -> Row:
     """Fly a cell to its verdict; a row with `error` if it cannot be flown."""
     try:
         config = configured(task.base, task.cell)
-        metrics = CaptureMetrics(config)
-        outcome = run_capture(config, direct=task.direct, on_ticks=metrics.update).outcome
-        measured = {**_measures(outcome, config.judging.rule), **metrics.measures(outcome)}
-        measured["engine"] = config.simulation.engine.value
+        prepare(config, recorded=False)
+        flown = run_capture(config, direct=task.direct)
+        measured = measures_of(flown.outcome, flown.monitor, config)
     except CaptureError as error:
         return failed_row(task.cell, str(error))
     except Exception as error:  # one cell that fails, however it does, must not take the others along
         return failed_row(task.cell, f"{type(error).__name__}: {error}")
-    return {**_identity(task.cell), **{column.name: measured[column.name] for column in MEASURES}, "error": None}
+    return {**_identity(task.cell), **measured, "error": None}
+
+
+def measures_of(outcome: Outcome, monitor: Record, config: MissionConfig) -> dict[str, Any]:
+    """The values of `MEASURES` of a capture, in their order.
+
+    Args:
+        outcome: how it ended.
+        monitor: what was noted of it, one element of `MONITOR`.
+        config: with which it was flown.
+
+    """
+    measured = _measures(outcome, config.judging.rule) | capture_metrics(monitor, outcome, config)
+    measured["engine"] = config.simulation.engine.value
+    return {column.name: measured[column.name] for column in MEASURES}
 
 
 def failed_row(cell: Cell, error: str) -> Row:

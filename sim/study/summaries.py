@@ -11,7 +11,7 @@ from pydantic import Field
 
 from sim.snapshot import FrozenMessage
 from sim.study.design import Study
-from sim.study.outcome_frequencies import CONFIDENCE, is_sample
+from sim.study.outcome_frequencies import CONFIDENCE, is_sample, share_interval
 from sim.study.run import MEASURES, Row
 
 HIGH = 0.95
@@ -59,8 +59,8 @@ def measure_summaries(study: Study, rows: Iterable[Row]) -> list[MeasureSummary]
 def _summary(measure: str, unit: str, values: Sequence[float | bool]) -> MeasureSummary:
     if isinstance(values[0], bool):
         true = sum(map(bool, values))
-        share = scipy.stats.binomtest(true, len(values)).proportion_ci(CONFIDENCE, method="wilson")
-        mean = Estimate(value=true / len(values), low=float(share.low), high=float(share.high))
+        low, high = share_interval(true, len(values))
+        mean = Estimate(value=true / len(values), low=low, high=high)
         return MeasureSummary(measure=measure, unit=unit, cells=len(values), mean=mean, median=None, quantile_95=None)
     drawn = np.asarray(values, dtype=float)
     return MeasureSummary(

@@ -246,7 +246,7 @@ def test_a_whole_capture_ends_caged(robot, service):
     if gaps.longest > STOOD_STILL and not (ended["outcome"] or {}).get("caged"):
         # The arms did not see what they touched. What load costs is measured (docs/link.md), not tested.
         pytest.skip(f"needs real time: a thread waited {1e3 * gaps.longest:.0f} ms for a processor meanwhile")
-    assert (ended["outcome"] or {}).get("caged"), ended
+    assert (ended["outcome"] or {}).get("caged"), (ended["outcome"], ended["problems"])
     assert ended["phase"] == "holding"
     assert ended["contacts"]
     run = until(lambda: r if (r := service.get(f"/runs/{ended['run_id']}"))["outcome"] else None, "the run's verdict")

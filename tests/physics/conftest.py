@@ -12,6 +12,7 @@ import pytest
 from sim.capture.events import Event, Ticks
 from sim.capture.mission import prepare
 from sim.capture.run import run_capture
+from sim.config import MissionConfig
 from sim.configurations import named_configuration, nested, revised
 from sim.snapshot import Outcome
 
@@ -47,7 +48,7 @@ def _flown(name: str, direct: bool, changes: tuple[tuple[str, Any], ...]) -> Flo
 
 @pytest.fixture(scope="session", autouse=True)
 def _prepared() -> None:
-    prepare()
+    prepare(MissionConfig())
 
 
 @pytest.fixture(scope="session")

@@ -15,6 +15,9 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.slow
+"""The copy has sources of its own, so that everything is compiled anew: two to three minutes of a processor."""
+
 ROOT = Path(__file__).parents[2]
 METHOD = Path(__file__).with_name("reach_and_hold")
 PATIENCE = 400.0

@@ -9,15 +9,17 @@ import pytest
 
 from sim.compiled import FloatArray
 from sim.config import Engine, MissionConfig
+from sim.model.planar import in_frame
 from sim.model.robot import chain, robot_model, tip_position
 from sim.model.shape import signed_distance
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 from sim.plant.engine import simulated_plant
 
 SHAPES: dict[str, dict[str, Any]] = {
     "rectangle": {"shape": "rectangle", "width": 0.18, "depth": 0.09},
     "hexagon": {"shape": "regular_polygon", "sides": 6, "side": 0.08},
     "circle": {"shape": "circle", "radius": 0.075},
+    "wedge": {"shape": "polygon", "vertices": [[0.0, 0.0], [0.14, 0.0], [0.11, 0.10], [0.0, 0.13]]},
 }
 TICKS = 1200
 every_engine = pytest.mark.parametrize("engine", Engine)
@@ -54,7 +56,7 @@ def drift(shape: dict[str, Any], engine: Engine, **contact: float) -> Drift:
         links = chain(robot, state["base_pose"], state["joint_angle"], state["mount_angle"])
         for arm in range(2):
             for tip in range(2):
-                x, y = in_target(state["target_pose"], *tip_position(robot, links.hand_pose[arm], tip))
+                x, y = in_frame(state["target_pose"], *tip_position(robot, links.hand_pose[arm], tip))
                 deepest = max(deepest, robot.tip_radius - signed_distance(outline, x, y))
         touched = touched or bool(state["tip_contact"].any())
         plant.apply_joint_rates(np.zeros((2, 3)))

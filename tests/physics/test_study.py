@@ -11,7 +11,7 @@ import pytest
 from sim.config import Engine
 from sim.reproduction.published import PublishedImpedance, agreement, published_classes, published_study
 from sim.study.design import altered, study_of
-from sim.study.executors import LocalProcesses, fly_cells
+from sim.study.executors import LocalProcesses, fly_cells, local_threads
 from sim.study.run import CellTask, fly_cell
 from sim.study.table import StudyTable
 
@@ -75,6 +75,12 @@ def test_a_worker_that_is_killed_costs_no_cell(serial):
     fly_cells(tasks(STUDY), keep, two_processes, at_once=4)
     assert killed
     assert by_cell(rows) == serial
+
+
+def test_threads_fly_the_same_rows(serial):
+    rows = []
+    fly_cells(tasks(STUDY), rows.append, local_threads(2).open_executor, at_once=4)
+    assert sorted(rows, key=lambda row: row["cell"]) == serial
 
 
 def test_a_study_that_was_cut_off_goes_on_where_it_was(serial, tmp_path):

@@ -24,8 +24,11 @@ def _state():
 
 
 def _wrenches(sensors, count, angle=0.0):
-    angles = np.full(2, angle)
-    return np.array([[each.value for each in sensors.wrenches(0, _state(), angles)] for _ in range(count)])
+    told = []
+    for _ in range(count):
+        sensors.sense(_state(), np.full(2, angle))
+        told.append([each.value for each in sensors.wrenches(0)])
+    return np.array(told)
 
 
 def test_a_perfect_sensor_tells_the_truth_in_the_hands_axes():
@@ -58,16 +61,21 @@ def test_the_same_seed_tells_the_same():
 def test_encoders_have_steps_and_rates_are_their_differences():
     sensors = Sensors(PERFECT.model_copy(update={"encoder_resolution": 0.01}), 0)
     state = _state()
-    assert not sensors.joints(0, state).rate.any()
+    sensors.sense(state, np.zeros(2))
+    assert not sensors.joints(0).rate.any()
     state["joint_angle"][0, 0] += 0.013
-    sample = sensors.joints(5_000_000, state)
+    sensors.sense(state, np.zeros(2))
+    sample = sensors.joints(5_000_000)
     assert sample.angle[0, 0] == pytest.approx(0.31)
     assert sample.rate[0, 0] == pytest.approx(2.0)
 
 
 def test_motion_capture_misses_and_errs_as_often_as_it_says():
     sensors = Sensors(PERFECT.model_copy(update={"dropouts": 0.2, "outliers": 0.1, "outlier_distance": 0.5}), 1)
-    seen = [sensors.pose(0, np.zeros(3)) for _ in range(SAMPLES)]
+    seen = []
+    for _ in range(SAMPLES):
+        sensors.sense(_state(), np.zeros(2))
+        seen.append(sensors.pose(0, "target"))
     missed = sum(each is None for each in seen) / SAMPLES
     far = sum(each is not None and math.hypot(*each.value[:2]) > 0.4 for each in seen) / (SAMPLES * 0.8)
     assert missed == pytest.approx(0.2, abs=5 * math.sqrt(0.2 * 0.8 / SAMPLES))

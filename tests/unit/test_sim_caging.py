@@ -12,10 +12,10 @@ from sim.capture.caging import cage, tips_enclose
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.model.clearance import hand_outline
-from sim.model.planar import rotated
+from sim.model.planar import in_frame, rotated
 from sim.model.robot import robot_model
 from sim.model.shape import Shape, signed_distance
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 
 CONFIG = MissionConfig()
 ROBOT = robot_model(CONFIG.robot)
@@ -205,12 +205,12 @@ def _free(points: FloatArray, finger: float, tip: float, shape: Shape, pose: Flo
     """Whether a square overlaps neither tips nor fingers: capsules along the outline, exact at corners and sides."""
     for hand in range(points.shape[0]):
         for end in (0, points.shape[1] - 1):
-            x, y = in_target(pose, points[hand, end, 0], points[hand, end, 1])
+            x, y = in_frame(pose, points[hand, end, 0], points[hand, end, 1])
             if signed_distance(shape, x, y) < tip:
                 return False
         for place in range(points.shape[1] - 1):
-            ax, ay = in_target(pose, points[hand, place, 0], points[hand, place, 1])
-            bx, by = in_target(pose, points[hand, place + 1, 0], points[hand, place + 1, 1])
+            ax, ay = in_frame(pose, points[hand, place, 0], points[hand, place, 1])
+            bx, by = in_frame(pose, points[hand, place + 1, 0], points[hand, place + 1, 1])
             for part in range(33):
                 x, y = ax + part / 32 * (bx - ax), ay + part / 32 * (by - ay)
                 if signed_distance(shape, x, y) < finger:

@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from sim.capture.caging import cage, tips_enclose
+from sim.capture.caging import barred_by_both, cage, tips_enclose
 from sim.compiled import FloatArray, compiled
 from sim.config import ArmConfig, MissionConfig
 from sim.model.clearance import hand_outline
-from sim.model.planar import rotated
+from sim.model.planar import in_frame, rotated
 from sim.model.robot import robot_model
 from sim.model.shape import Shape, signed_distance
-from sim.model.target import in_target, target_shape
+from sim.model.target import target_shape
 
 STEP = 2.5e-3
 """Of the flood: what moves any point of the target between two poses [m]."""
@@ -51,6 +51,14 @@ CASES = {
     ),
     "rectangle": Case(
         MissionConfig.model_validate({"target": {"shape": "rectangle", "width": 0.09, "depth": 0.045}}), 0.0, 0.03, 0.06
+    ),
+    "wedge": Case(
+        MissionConfig.model_validate(
+            {"target": {"shape": "polygon", "vertices": [[0.0, 0.0], [0.14, 0.0], [0.11, 0.10], [0.0, 0.13]]}}
+        ),
+        2.4,
+        0.072,
+        0.086,
     ),
 }
 every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -121,9 +129,36 @@ def test_tips_enclose_what_they_cage_between_them(case: Case) -> None:
     assert not tips_enclose(ROBOT, shape, facing(case.nearest + 2e-3), beside)
 
 
+@pytest.mark.parametrize("name", ["wedge", "rectangle", "circle"])
+def test_two_tips_bar_a_common_place_where_their_regions_overlap(name: str) -> None:
+    """They do if the way from tip to tip lies in the shape's difference body, two tip radii wider."""
+    shape, random = target_shape(CASES[name].config.target), np.random.default_rng(0)
+    found = 0
+    for _ in range(500):
+        x, y, other_x, other_y = random.uniform(-0.15, 0.15, 4)
+        overlap = _overlap(shape, other_x - x, other_y - y)
+        barred, place_x, place_y = barred_by_both(shape, TIP, x, y, other_x, other_y)
+        assert barred or overlap < 5e-5
+        assert overlap >= 0.0 or not barred
+        if barred:
+            found += 1
+            assert signed_distance(shape, x - place_x, y - place_y) <= TIP + 1e-12
+            assert signed_distance(shape, other_x - place_x, other_y - place_y) <= TIP + 1e-12
+    assert 100 < found < 400, "the places do not put it to the test"
+
+
+def _overlap(shape: Shape, x: float, y: float) -> float:
+    """How far a vector lies within the difference body of shape and tips [m]: less its share of the support."""
+    angles = np.linspace(0.0, 2.0 * math.pi, 7200, endpoint=False)
+    along = np.column_stack((np.cos(angles), np.sin(angles)))
+    reach = along @ shape.vertices[: shape.corners].T
+    widths = reach.max(axis=1) - reach.min(axis=1) + 2.0 * (shape.rounding + TIP)
+    return float((widths - along @ np.array([x, y])).min())
+
+
 @pytest.mark.parametrize("sides", [3, 4, 5, 6])
 def test_what_the_tips_enclose_cannot_be_led_out_without_a_turn(sides: int) -> None:
-    """Also a shape that is another after half a turn, for which regions that overlap need not hold the middle."""
+    """Also a shape that is another after half a turn, whose regions may overlap beside the middle alone."""
     random = np.random.default_rng(sides)
     config = MissionConfig.model_validate(
         {"target": {"shape": "regular_polygon", "sides": sides, "side": 0.36 / sides}}
@@ -187,12 +222,12 @@ def _room(points: FloatArray, finger: float, tip: float, shape: Shape, pose: Flo
     room = math.inf
     for hand in range(points.shape[0]):
         for place in range(points.shape[1]):
-            x, y = in_target(pose, points[hand, place, 0], points[hand, place, 1])
+            x, y = in_frame(pose, points[hand, place, 0], points[hand, place, 1])
             radius = tip if place in {0, points.shape[1] - 1} else finger
             room = min(room, signed_distance(shape, x, y) - radius)
         for place in range(points.shape[1] - 1):
-            ax, ay = in_target(pose, points[hand, place, 0], points[hand, place, 1])
-            bx, by = in_target(pose, points[hand, place + 1, 0], points[hand, place + 1, 1])
+            ax, ay = in_frame(pose, points[hand, place, 0], points[hand, place, 1])
+            bx, by = in_frame(pose, points[hand, place + 1, 0], points[hand, place + 1, 1])
             along_x, along_y = bx - ax, by - ay
             for corner in range(shape.corners):
                 dx, dy = shape.vertices[corner, 0] - ax, shape.vertices[corner, 1] - ay

@@ -81,6 +81,9 @@ def test_a_circle_overlaps_by_its_radius():
         ({"shape": TargetShape.RECTANGLE, "width": 0.1, "depth": 0.25, "initial_y": 0.2}, "base"),
         ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.119, "initial_y": 0.2}, None),
         ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.121, "initial_y": 0.2}, "base"),
+        # The centroid of a right triangle is a third of its height above its base: 0.119 m clear, 0.121 m not.
+        ({"shape": TargetShape.POLYGON, "vertices": ((0, 0), (0.1, 0), (0, 0.357)), "initial_y": 0.2}, None),
+        ({"shape": TargetShape.POLYGON, "vertices": ((0, 0), (0.1, 0), (0, 0.363)), "initial_y": 0.2}, "base"),
     ],
 )
 def test_any_shape_is_held_against_the_robot(target, part):

@@ -15,6 +15,7 @@ from sim.config import PARAMETERS, MissionConfig, TargetShape, differences, is_l
 from sim.configurations import NAMED_CONFIGURATIONS, nested, revised
 from sim.errors import ConfigError
 from sim.model.inertia import outlines
+from sim.parameters import Points
 
 UNITS = {
     "m",
@@ -32,13 +33,16 @@ UNITS = {
     "1",
     "1/s",
     "1/s2",
+    "s/N",
+    "s/rad",
     "Hz",
     "m/s2",
     "rad/s2",
 }
 BOUNDS = ("ge", "gt", "le", "lt")
 NUMBERS = [path for path, field in PARAMETERS.items() if field.annotation in (float, int)]
-CHOICES = [path for path in PARAMETERS if path not in NUMBERS]
+POINTS = [path for path, field in PARAMETERS.items() if field.annotation == Points]
+CHOICES = [path for path in PARAMETERS if path not in (*NUMBERS, *POINTS)]
 OUT_OF_HARMS_WAY = {
     "target.initial_x",
     "target.initial_y",
@@ -148,6 +152,29 @@ class TestRefusal:
             revised(MissionConfig(), {"target": {"shape": shape.value}})
         assert "target.shape = square" in refusal.value.tip
 
+    @pytest.mark.parametrize("shape", ["square", "polygon"])
+    @pytest.mark.parametrize(
+        ("vertices", "words"),
+        [
+            ([[0, 0], [0.1, 0]], r"target\.vertices = \[\[0, 0\], \[0\.1, 0\]\]: .* at least 3 items"),
+            ([[0, 0]] * 13, r"target\.vertices = .* at most 12 items"),
+            ([[0, 0], [0, 0.1], [0.1, 0]], r"target\.vertices = '0, 0; 0, 0\.1; 0\.1, 0': .* clockwise"),
+            ([[0, 0], [0.1, 0], [0.1, 0], [0, 0.1]], "vertices 2 and 3 are the same point"),
+            ([[0, 0], [0.1, 0], [0.2, 0], [0, 0.1]], r"vertex 2 \(0\.1, 0\) lies on the line between its neighbours"),
+            ([[0, 0], [0.1, 0], [0.02, 0.02], [0, 0.1]], r"at vertex 3 \(0\.02, 0\.02\) the outline turns right"),
+            ([[0, 0], [4, 0], [0, 4]], r"farthest corner is 2\.981 m from the centroid; it must be at most 2 m"),
+            ([[0, 0], [0.1, 0], [0, 0.001]], r"nearest side is 0\.0003333 m .* at least 0\.001 m"),
+            ([[0, 0], [11, 0], [0, 0.1]], r"target\.vertices\.1\.0 = 11: .* less than or equal to 10 \[m\]$"),
+            ([[0, 0], [True, 0], [0, 0.1]], r"target\.vertices\.1\.0 = True: .* valid number \[m\]$"),
+            ([[0, 0, 0], [0.1, 0], [0, 0.1]], r"target\.vertices\.0 = \[0, 0, 0\]: .* at most 2 items .*not 3$"),
+            ("a wedge", r"target\.vertices = 'a wedge': .* array"),
+        ],
+        ids=lambda value: None if isinstance(value, str) else "",
+    )
+    def test_of_vertices_that_are_no_convex_polygon_of_its_kind(self, vertices, words, shape):
+        with pytest.raises(ConfigError, match=words):
+            revised(MissionConfig(), {"method": "published", "target": {"vertices": vertices, "shape": shape}})
+
     @pytest.mark.parametrize("body", outlines(MissionConfig()), ids=lambda body: body.group)
     def test_of_an_inertia_that_no_body_of_its_size_can_have(self, body):
         above, below = (nested({f"{body.group}.inertia": part * body.most}) for part in (1.001, 0.999))
@@ -188,8 +215,7 @@ class TestRefusal:
 
     @pytest.mark.parametrize("parts", [1, 2, 3, 4, 7, 10])
     def test_whole_fractions_of_the_period_are_accepted(self, parts):
-        config = revised(MissionConfig(), nested({"simulation.time_step": 1e-3 / parts}))
-        assert config.steps_per_tick == parts
+        assert revised(MissionConfig(), nested({"simulation.time_step": 1e-3 / parts}))
 
     def test_of_a_target_that_overlaps_the_robot(self):
         with pytest.raises(
@@ -209,6 +235,7 @@ numbers = st.sampled_from(
         for path in NUMBERS
         if path not in OUT_OF_HARMS_WAY
         and not path.startswith(("robot.base", "robot.arm", "simulation.time_step", "control.period"))
+        and not path.endswith(("touch.force_floor", "touch.force_cap", "touch.planned_cap"))  # the caps are over it
     ]
 )
 

@@ -11,6 +11,7 @@ from sim.config import MissionConfig, differences, value_at
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
     NAMED_CONFIGURATIONS,
+    REFERENCE_CONFIGURATION,
     merged,
     named_configuration,
     nested,
@@ -71,8 +72,12 @@ PRINTED = {
 }
 
 
-def test_published_is_the_default_and_what_was_computed_with():
-    assert DEFAULT_CONFIGURATION == "published"
+def test_our_own_method_is_flown_unless_another_is_named():
+    assert named_configuration(DEFAULT_CONFIGURATION).method.value == "co_moving_couple"
+
+
+def test_published_is_the_reference_and_what_was_computed_with():
+    assert REFERENCE_CONFIGURATION == "published"
     published = named_configuration("published")
     assert published == MissionConfig()
     assert {path: value_at(published, path) for path in COMPUTED_WITH} == COMPUTED_WITH

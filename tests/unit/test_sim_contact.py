@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 
 from sim.config import ContactConfig, CornerContact
 from sim.model.planar import rotated
-from sim.model.shape import circle, rectangle, regular_polygon, surface
+from sim.model.shape import circle, even_plate, rectangle, regular_polygon, surface
 from sim.plant.contact import penetration, tip_contact
 from sim.record import code_of, record_of
 
 HALF, RADIUS = 0.075, 0.015
 SQUARE = rectangle(2 * HALF, 2 * HALF)
-OTHERS = (rectangle(0.2, 0.1), regular_polygon(6, 0.08), circle(0.075))
+WEDGE = even_plate(np.array([[0.0, 0.0], [0.14, 0.0], [0.11, 0.10], [0.0, 0.13]]))
+OTHERS = (rectangle(0.2, 0.1), regular_polygon(6, 0.08), circle(0.075), WEDGE)
 FACE, RADIAL = code_of(CornerContact.FACE), code_of(CornerContact.RADIAL)
 ROUNDING = 1e-12
 compiling = settings(deadline=None)  # the first example may compile

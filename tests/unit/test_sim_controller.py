@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
+import sim.method.published.method  # noqa: F401  # registers the functions of the handle
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.admittance import admittance_transition
-from sim.control.hand_motion import command_joint_rates, hand_twists, hold_joints
+from sim.control.hand_motion import HAND_MOTION, command_joint_rates, hand_twist, hold_joints
 from sim.control.memory import MEMORY, NEVER
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.method.method import begin_sequence, decide
@@ -18,6 +19,7 @@ from sim.method.published.memory import PUBLISHED_MEMORY, Activity, PlanKind, Pu
 from sim.method.published.sequence import absorb, idle_arm_is_free
 from sim.model.clearance import initial_base_pose
 from sim.model.generalized_jacobian import free_flying_model, momentum
+from sim.model.reduced_model import CHAIN, SHAPE, set_chain, shape_of_state
 from sim.model.robot import chain, initial_joint_angles, robot_model
 from sim.perception.perceived import PERCEIVED
 from sim.record import record_of
@@ -48,7 +50,9 @@ def links_of(state):
 
 
 def run(memory, state, parameters=PARAMETERS, verdict=Verdict.NONE):
-    decide(OWN, memory, parameters, ROBOT, state, links_of(state), int(verdict))
+    shape, links, motion = (np.zeros(1, kind)[0] for kind in (SHAPE, CHAIN, HAND_MOTION))
+    set_chain(state["base_pose"], shape_of_state(ROBOT, state, shape), links)
+    decide(OWN, memory, parameters, ROBOT, state, shape, links, motion, int(verdict))
 
 
 class TestRateBound:
@@ -103,9 +107,9 @@ class TestTracking:
         state["joint_rate"] = memory["commanded_joint_rate"]
         model = free_flying_model(ROBOT, state["base_pose"], links_of(state))
         state["base_twist"] = -model.base_reaction[:, :6] @ state["joint_rate"].ravel()
-        twist = hand_twists(state, links_of(state))
+        twist = hand_twist(state, links_of(state), 1)
         assert np.abs(memory["desired_hand_twist"][1]).max() > 0.01
-        assert twist[1] == pytest.approx(memory["desired_hand_twist"][1], abs=1e-9)
+        assert twist == pytest.approx(memory["desired_hand_twist"][1], abs=1e-9)
 
     def test_hands_keep_their_course_on_a_robot_that_carries_momentum(self):
         """Eq. 2: what momentum alone does to the hands is taken off the wanted velocity."""

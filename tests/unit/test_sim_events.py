@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.capture.events import events_of, touch_event, verdict_event, verdict_in_words
+from sim.capture.events import events_of, has_event, touch_event, verdict_event, verdict_in_words
 from sim.capture.tick import TICK
+from sim.compiled import CompiledFunction
 from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import Cause
+from sim.method.co_moving_couple.memory import Trouble
+from sim.method.method import method_named, method_of
 from sim.method.published.memory import Activity
+from sim.method.registry import MethodName
 from sim.snapshot import Outcome, OutcomeClass, Touch
 
 CONFIG = MissionConfig()
@@ -28,6 +32,21 @@ def quiet(count: int):
 
 def told(ticks):
     return [(event.tick, event.kind, event.severity) for event in events_of(ticks[1:], ticks[:1], CONFIG)]
+
+
+def test_why_a_sequence_was_broken_off_is_told_in_the_words_of_its_method() -> None:
+    ticks = quiet(3)
+    ticks["trouble"][1:] = Trouble.HAND_MISSED
+    config = MissionConfig(method=MethodName("co_moving_couple"))
+    (event,) = events_of(ticks[1:], ticks[:1], config)
+    assert (event.tick, event.kind, event.severity) == (1, "trouble", "warning")
+    assert event.message == "One hand did not meet its side"
+
+
+@pytest.mark.parametrize("name", list(MethodName))
+def test_every_trouble_of_a_method_has_words(name: MethodName) -> None:
+    words = method_named(name).words.trouble
+    assert set(words) == (set(Trouble) - {Trouble.NONE} if name.value == "co_moving_couple" else set())
 
 
 def outcome(**changes) -> Outcome:
@@ -147,3 +166,35 @@ class TestVerdict:
         assert words in verdict_in_words(failed)
         event = verdict_event(failed, 9.0, PERIOD)
         assert (event.severity, event.cause) == ("error", cause)
+
+
+def _changed(field, activities):
+    """Two ticks that differ in that field only, in every value that it can have next to 0."""
+    for activity in activities:
+        for value in range(1, 6):
+            rows = np.zeros(2, TICK).view(np.recarray)
+            rows["activity"] = activity
+            rows[field][1] = value
+            yield rows
+
+
+@pytest.mark.parametrize("field", [name for name in TICK.names or () if name != "activity"])
+def test_a_flight_without_rows_stops_at_each_tick_that_has_an_event(field):
+    """Compiled code looks for the same changes as what reads events from rows that are kept, of any method."""
+    looks, found = compiled_from(has_event), set()
+    for name in MethodName:
+        config = MissionConfig(method=name)
+        method = method_of(config)
+        threshold = method.spin_threshold(config)
+        found |= {
+            (bool(events_of(rows[1:], rows[:1], config)), looks(rows[0], rows[1], threshold))
+            for rows in _changed(field, method.activities)
+        }
+    assert (True, False) not in found
+    assert ((True, True) in found) == any(stopped for _, stopped in found)
+
+
+def compiled_from(function):
+    """The Python that a compiled function is made from."""
+    assert isinstance(function, CompiledFunction)
+    return function.py_func

@@ -22,6 +22,7 @@ def _outline(behind: float, ahead: float, half_width: float) -> Outline:
         ({"shape": "circle", "radius": 0.2}, 0.2**2, 0.2**2 / 2),
         ({"shape": "regular_polygon", "sides": 6, "side": 0.2}, 0.2**2, 0.2**2 * 5 / 12),
         ({"shape": "regular_polygon", "sides": 3, "side": 0.2}, 0.2**2 / 3, 0.2**2 / 12),
+        ({"shape": "polygon", "vertices": [[1.0, 2.0], [1.3, 2.0], [1.0, 2.3]]}, 0.05, 0.01),
     ],
 )
 def test_a_kilogram_of_target_has_that_much_at_most_and_if_it_is_even(target, most, even_plate):

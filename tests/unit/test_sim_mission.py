@@ -8,7 +8,7 @@ import pytest
 from sim.capture.mission import Mission
 from sim.capture.run import run_capture
 from sim.config import MissionConfig
-from sim.configurations import nested, revised
+from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command, Phase
 from sim.snapshot import Snapshot
 
@@ -91,6 +91,44 @@ class TestEvents:
         assert "verdict" in [event.kind for event in events]
         assert [event.time for event in events] == sorted(event.time for event in events)
         assert mission.take_events() == []
+
+
+@pytest.mark.parametrize("engine", ["pymunk", "reduced"])
+class TestUnrecorded:
+    def config(self, engine):
+        changes = {"simulation.engine": engine, "published.caging.spin_threshold": 0.9}
+        return revised(named_configuration("published"), nested(changes))
+
+    def test_is_the_same_flight(self, engine):
+        """Events, outcome, last tick, stages, and the ticks after it: whether rows were kept makes no difference."""
+        seen = []
+        for recorded in (True, False):
+            mission = Mission(self.config(engine))
+            mission.request(Command.CAPTURE)
+            ticks = 0
+            while mission.outcome is None:
+                ticks += len(mission.advance(700)) if recorded else mission.advance_unrecorded(700)
+            seen.append((ticks, mission.take_events(), mission.snapshot(), mission.advance(1).tobytes()))
+        assert seen[0] == seen[1]
+
+    def test_reads_its_events_though_there_are_more_than_rows_to_keep(self, engine):
+        seen = []
+        for recorded in (True, False):
+            changes = {"published.caging.spin_threshold": 1.0, "perception.noise.spin": 0.05}
+            mission = Mission(revised(self.config(engine), nested(changes)))
+            mission.request(Command.CAPTURE)
+            ticks = len(mission.advance(1500)) if recorded else mission.advance_unrecorded(1500)
+            seen.append((ticks, mission.take_events()))
+        assert seen[0] == seen[1]
+        assert len(seen[0][1]) > 64
+
+    def test_flies_on_after_a_verdict_for_as_long_as_it_is_asked_to(self, engine, monkeypatch):
+        monkeypatch.setattr("sim.capture.mission._MOST_KEPT", 5)  # room for one tick's rows at a time
+        mission = Mission(self.config(engine))
+        mission.request(Command.DIRECT_CAGE)
+        while mission.outcome is None:
+            mission.advance_unrecorded(5000)
+        assert mission.advance_unrecorded(10) == 10
 
 
 class TestRunCapture:

@@ -33,6 +33,7 @@ def plan(kind="touch", arm="right", until=3.0) -> Plan:
         left=poses if arm in ("left", "both") else [],
         right=poses if arm in ("right", "both") else [],
         target_at_end=POSE,
+        predicted=None,
     )
 
 

@@ -21,6 +21,7 @@ from sim.record import Record, record_of
 
 CONFIG = MissionConfig()
 ROBOT = robot_model(CONFIG.robot)
+TARGET = shapes_of(CONFIG)["target"]
 NOISY = {"perception.noise.force": 0.01, "perception.noise.position": 5e-4, "perception.noise.torque": 1e-4}
 
 
@@ -35,8 +36,7 @@ def at_start() -> Record:
 def known_of(state: Record, config: MissionConfig, known: Record | None = None) -> Record:
     """What is known of a state, after what was known before."""
     known = np.zeros(1, PERCEIVED)[0] if known is None else known
-    links = chain(ROBOT, state["base_pose"], state["joint_angle"], state["mount_angle"])
-    perceive(known, record_of(config), ROBOT, state, links)
+    perceive(known, record_of(config), ROBOT, TARGET, state)
     return known
 
 
@@ -124,11 +124,10 @@ def test_closure_is_asked_of_what_is_perceived() -> None:
     recall(rows[-1], state)
     assert monitor_closed == 1
     shapes = shapes_of(CONFIG)
-    links = chain(ROBOT, state["base_pose"], state["joint_angle"], state["mount_angle"])
     closed = []
     for config in (CONFIG, revised(CONFIG, nested({"perception.noise.position": 0.05}))):
         known = np.zeros(1, PERCEIVED)[0]
-        know(known, record_of(config), ROBOT, shapes, state, links, monitor_closed)
+        know(known, record_of(config), ROBOT, shapes, state, monitor_closed)
         closed.append(int(known["closed"]))
     assert closed == [1, 0]
 
@@ -193,10 +192,9 @@ class TestMotionCapture:
             ),
         )
         state = at_start()
-        links = chain(ROBOT, state["base_pose"], state["joint_angle"], state["mount_angle"])
         for tick in range(1000):
             state["tick"], state["time"] = tick, 0.005 * tick
-            perceive(known, parameters, ROBOT, state, links)
+            perceive(known, parameters, ROBOT, TARGET, state)
         assert known["cameras"]["after_last"] == 300
 
     @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import pytest
 from sim.config import Engine, MissionConfig
 from sim.configurations import nested, revised
 from sim.errors import PlantDiverged
+from sim.model.planar import in_frame
 from sim.model.robot import base_shape, chain, initial_joint_angles, robot_model
 from sim.model.shape import signed_distance
-from sim.model.target import in_target
 from sim.plant.pymunk_plant import PymunkPlant
 from tests.flying import after, laid_out
 
@@ -133,7 +133,7 @@ class TestContact:
             state = after(plant, STILL)
             told = told or state["base_contact"] > 0
         assert told
-        middle = in_target(state["base_pose"], *state["target_pose"][:2].tolist())
+        middle = in_frame(state["base_pose"], *state["target_pose"][:2].tolist())
         assert signed_distance(base_shape(MissionConfig().robot.base), *middle) - 0.075 > -1e-3
         assert state["momentum"] == pytest.approx([0.0, -0.2 * MissionConfig().target.mass, 0.0], abs=1e-6)
 

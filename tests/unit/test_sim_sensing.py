@@ -63,7 +63,8 @@ def _sensed(state, ticks=2000):
         known = state.copy()
         add_noise(noise, 5, known)
         kept.append(known)
-    fields = [name for name in PERCEIVED.names if name not in ("tick", "cameras")]
+    readings = (name for name in PERCEIVED.names if PERCEIVED[name].names is None)  # the others are remembered
+    fields = [name for name in readings if name != "tick"]
     return {name: np.array([np.ravel(row[name] - state[name]) for row in kept], float) for name in fields}
 
 

@@ -15,6 +15,7 @@ from sim.model.shape import (
     about_its_centroid,
     area,
     circle,
+    even_plate,
     facing_side,
     inner_radius,
     outline,
@@ -209,19 +210,22 @@ def test_a_plate_about_its_centroid_balances():
 
 
 @pytest.mark.parametrize(
-    "corners",
+    ("corners", "words"),
     [
-        [[0.1, 0.0], [-0.1, 0.0]],
-        [[0.1, 0.1], [0.1, -0.1], [-0.1, -0.1], [-0.1, 0.1]],
-        [[0.1, 0.0], [0.1, 0.0], [0.0, 0.1], [-0.1, -0.1]],
-        [[0.1, -0.1], [0.0, 0.0], [0.1, 0.1], [-0.1, 0.0]],
-        [[0.0, 0.1], [-0.06, -0.08], [0.1, 0.03], [-0.1, 0.03], [0.06, -0.08]],
+        ([[0.1, 0.0], [-0.1, 0.0]], "there are 2"),
+        ([[0.1, 0.1], [0.1, -0.1], [-0.1, -0.1], [-0.1, 0.1]], "clockwise"),
+        ([[0.1, 0.0], [0.1, 0.0], [0.0, 0.1], [-0.1, -0.1]], "vertices 1 and 2 are the same point"),
+        ([[0.1, 0.0], [0.0, 0.1], [-0.1, -0.1], [0.1, 0.0]], "vertices 4 and 1 are the same point"),
+        ([[0.1, -0.1], [0.0, 0.0], [0.1, 0.1], [-0.1, 0.0]], r"at vertex 2 \(0, 0\) the outline turns right"),
+        ([[0.1, -0.1], [0.1, 0.0], [0.1, 0.1], [-0.1, 0.0]], r"vertex 2 \(0\.1, 0\) lies on the line"),
+        ([[0.0, 0.1], [-0.06, -0.08], [0.1, 0.03], [-0.1, 0.03], [0.06, -0.08]], "more than once"),
     ],
-    ids=["two corners", "clockwise", "a corner twice", "a dent", "a star"],
+    ids=["two corners", "clockwise", "a corner twice", "the first again", "a dent", "a flat corner", "a star"],
 )
-def test_what_is_no_convex_polygon_is_refused(corners):
-    with pytest.raises(ConfigError, match="no convex polygon"):
-        polygon(np.array(corners))
+@pytest.mark.parametrize("made", [polygon, even_plate])
+def test_what_is_no_convex_polygon_is_refused_with_what_is_wrong(made, corners, words):
+    with pytest.raises(ConfigError, match=f"vertices = '.*': they are no convex polygon: .*{words}"):
+        made(np.array(corners))
 
 
 def test_more_corners_than_there_is_room_for_are_refused():

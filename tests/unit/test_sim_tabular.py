@@ -67,6 +67,13 @@ def test_each_kind_of_column_is_what_readers_take_it_for():
     assert read.schema.types == [pa.float64(), pa.float64(), pa.int64(), pa.bool_(), pa.string()]
 
 
+def test_columns_of_other_kinds_may_stand_beside_doubles():
+    columns = {"x": [0.5, 2.0], "text": ["a", "b"], "y": [1.0, 3.0], "bool": [True, False], "z": [4.0, None]}
+    columns |= {"n": [5, 6], "w": [7.0, 8.0]}
+    text = _written(pa.RecordBatch.from_pydict(columns))
+    assert text == "x,text,y,bool,z,n,w\n0.5,a,1.0,true,4.0,5,7.0\n2.0,b,3.0,false,,6,8.0\n"
+
+
 def test_many_rows_come_in_pieces():
     pieces = list(csv_rows(pa.record_batch({"x": np.arange(2.5 * CSV_ROWS)})))
     assert [piece.count(b"\n") for piece in pieces] == [CSV_ROWS, CSV_ROWS, CSV_ROWS // 2]

@@ -1,4 +1,4 @@
-"""The target: its configured shape, and a point in its frame."""
+"""The target's configured shape."""
 
 from __future__ import annotations
 
@@ -6,25 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from sim.config import TargetConfig, TargetShape
-from sim.model.planar import rotated
-from sim.model.shape import signed_distance
-from sim.model.target import SIZES, in_target, target_model, target_shape
-
-AXES = (((1.0, 0.0), (-1.0, 0.0)), ((0.0, 1.0), (0.0, -1.0)))
-coordinates = st.floats(-0.5, 0.5)
-compiling = settings(deadline=None)  # the first example may compile
-
-
-@compiling
-@given(coordinates, coordinates, st.floats(-10.0, 10.0))
-def test_in_target_undoes_the_targets_pose(x, y, angle):
-    pose = np.array([0.2, -0.4, angle])
-    dx, dy = rotated(angle, x, y)
-    assert in_target(pose, pose[0] + dx, pose[1] + dy) == pytest.approx((x, y), abs=1e-12)
+from sim.model.target import SIZES, target_model, target_shape
 
 
 @pytest.mark.parametrize(
@@ -35,24 +19,29 @@ def test_in_target_undoes_the_targets_pose(x, y, angle):
         ({"shape": TargetShape.CIRCLE, "radius": 0.08}, (0.16, 0.16)),
         ({"shape": TargetShape.REGULAR_POLYGON, "sides": 6, "side": 0.1}, (0.1 * math.sqrt(3.0), 0.2)),
         ({"shape": TargetShape.REGULAR_POLYGON, "sides": 8, "side": 0.1}, (0.1 * (1.0 + math.sqrt(2.0)),) * 2),
+        ({"shape": TargetShape.POLYGON, "vertices": ((5.0, 1.0), (5.2, 1.0), (5.0, 1.1))}, (0.2, 0.1)),
     ],
 )
 def test_a_configured_shape_has_its_extents(target, extents):
     shape = target_model(TargetConfig(**target)).shape
-    reach = np.array([[-signed_distance(shape, 9.0 * x, 9.0 * y) + 9.0 for x, y in axes] for axes in AXES])
-    assert reach.sum(axis=1) == pytest.approx(extents)
+    corners = shape.vertices[: shape.corners]
+    assert np.ptp(corners, axis=0) + 2.0 * shape.rounding == pytest.approx(extents)
 
 
 @pytest.mark.parametrize("shape", TargetShape)
 def test_the_sizes_of_a_shape_are_what_it_follows_from(shape):
     config = TargetConfig(shape=shape)
     original = target_shape(config).corner_circle
-    for name in ("side", "width", "depth", "sides", "radius"):
-        changed = config.model_copy(update={name: getattr(config, name) + 1})
+    larger = {name: getattr(config, name) + 1 for name in ("side", "width", "depth", "sides", "radius")}
+    larger["vertices"] = tuple((2.0 * x, 2.0 * y) for x, y in config.vertices)
+    for name, value in larger.items():
+        changed = config.model_copy(update={name: value})
         assert (target_shape(changed).corner_circle != original) == (name in SIZES[shape])
 
 
-@pytest.mark.parametrize("shape", TargetShape)
-def test_the_configuration_knows_how_far_its_shape_reaches(shape):
-    config = TargetConfig(shape=shape)
-    assert config.reach == pytest.approx(target_shape(config).corner_circle)
+def test_the_vertices_of_a_polygon_are_about_its_centroid_wherever_their_origin_was():
+    corners = ((0.0, 0.0), (0.18, 0.0), (0.0, 0.12))
+    for x, y in ((0.0, 0.0), (-3.0, 7.0)):
+        moved = tuple((x + each, y + other) for each, other in corners)
+        shape = target_shape(TargetConfig(shape=TargetShape.POLYGON, vertices=moved))
+        assert shape.vertices[:3] == pytest.approx(np.array([[-0.06, -0.04], [0.12, -0.04], [-0.06, 0.08]]))

@@ -7,7 +7,7 @@ import pytest
 
 from sim.capture.tick import COLUMNS, QUANTITIES, TICK, column_values
 
-UNITS = {"1", "s", "m", "rad", "m/s", "rad/s", "N", "N m", "m2", "N s", "N m s"}
+UNITS = {"1", "s", "m", "rad", "m/s", "rad/s", "N", "N m", "m2", "kg m2", "N s", "N m s"}
 
 
 def test_every_number_of_a_tick_has_one_column():

@@ -11,7 +11,7 @@ from sim.record import record_of
 
 PERIOD = 1e-3
 DESIRED, TWIST = np.array([0.1, 0.2, 0.3]), np.array([0.01, -0.02, 0.05])
-POSE, MEASURED = np.array([0.09, 0.22, 0.25]), np.array([0.02, 0.0, 0.0])
+POSE, MEASURED = np.array([0.09, 0.22, 0.25]), (0.02, 0.0, 0.0)
 
 
 def velocity(gathered=None, **gains):

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.memory import MEMORY
-from sim.control.trajectory import BOTH_ARMS, follow, plan_end, time_scaling, time_to_angle
+from sim.control.trajectory import BOTH_ARMS, follow, plan_end, plan_opening, time_scaling
 from sim.method.published.memory import PlanKind
-from sim.method.published.plans import plan_cage, plan_release, plan_touch
+from sim.method.published.plans import plan_cage, plan_touch, time_to_angle
 from sim.perception.perceived import PERCEIVED
 from sim.record import record_of
 
@@ -184,7 +184,7 @@ class TestReleasePlan:
     def test_hands_draw_back_along_their_own_axes_without_turning(self):
         memory = np.zeros(1, MEMORY)[0]
         hands = np.array([[-0.09, 0.35, -math.pi / 2 + 0.1], [0.09, 0.35, math.pi / 2 + 0.1]])
-        plan_release(memory, PARAMETERS, state_of(), hands)
+        plan_opening(memory, state_of(), hands, PlanKind.RELEASE, 0.20, 2.0)
         for arm in range(2):
             way = memory["plan_pose"][arm, 1, :2] - hands[arm, :2]
             palm = np.array([math.sin(hands[arm, 2]), -math.cos(hands[arm, 2])])
@@ -195,7 +195,7 @@ class TestReleasePlan:
     def test_hands_that_are_far_already_stay(self):
         memory = np.zeros(1, MEMORY)[0]
         hands = np.array([[-0.3, 0.35, -math.pi / 2], [0.3, 0.35, math.pi / 2]])
-        plan_release(memory, PARAMETERS, state_of(), hands)
+        plan_opening(memory, state_of(), hands, PlanKind.RELEASE, 0.20, 2.0)
         assert memory["plan_pose"][:, 1] == pytest.approx(hands)
 
 

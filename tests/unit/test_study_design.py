@@ -85,6 +85,27 @@ class TestConfiguration:
             configured(study.base, study.cell(1))
 
 
+class TestAListOfPoints:
+    """No axis, as a table's column holds one value; all cells may share one."""
+
+    @pytest.mark.parametrize(
+        "varied",
+        [
+            {"grid": {"target.vertices": [[[0, 0], [0.2, 0], [0, 0.1]]]}},
+            {"samples": {"count": 2, "over": {"target.vertices": {"from": 0.1, "to": 0.2}}}},
+        ],
+    )
+    def test_cannot_vary_and_says_why(self, varied):
+        with pytest.raises(ConfigError, match=r"target\.vertices cannot vary within a study: it is a list of points"):
+            study_of(varied)
+
+    def test_is_shared_by_all_cells(self):
+        points = [[0, 0], [0.2, 0], [0, 0.1]]
+        study = study_of({"changes": {"target.vertices": points}, "grid": GRID})
+        assert configured(study.base, study.cell(1)).target.vertices == ((0, 0), (0.2, 0), (0, 0.1))
+        assert study_of(json.loads(json.dumps(study.definition()))) == study
+
+
 class TestDefinition:
     def test_nested_and_flat_paths_are_the_same(self):
         nested = {"grid": {"published": {"impedance": {"mass": [0.05, 0.1], "damping": [0.0, 1.5, 3.0]}}}}

@@ -7,11 +7,17 @@ import pickle
 import numpy as np
 import pytest
 
+from sim.capture.monitor import MONITOR, begin_monitoring, note_decision, watch
 from sim.capture.run import RunResult
-from sim.capture.tick import TICK
+from sim.config import MissionConfig, RobotConfig
+from sim.control.memory import MEMORY
 from sim.control.phases import Phase
 from sim.errors import PlantDiverged
 from sim.method.published.memory import Activity
+from sim.model.clearance import shapes_of
+from sim.model.robot import chain, robot_model
+from sim.plant.plant import PLANT_STATE
+from sim.record import Record, record_of
 from sim.snapshot import Outcome, OutcomeClass, Touch
 from sim.study import run
 from sim.study.design import study_of
@@ -40,17 +46,29 @@ OUTCOME = Outcome(
 )
 
 
-def ticks_of(outcome: Outcome) -> np.ndarray:
+def noted(outcome: Outcome) -> Record:
     """Ten ticks a second: the target slows from 1 rad/s to 0.1 at 4.1 s, when it drifts; forces as the outcome has."""
-    ticks = np.zeros(83, TICK)
-    ticks["time"] = np.arange(83) / 10
-    ticks["target_twist"][:, 2] = 1.0
-    ticks["target_twist"][41:] = [0.03, -0.04, 0.1]
-    ticks["base_pose"][:, 2] = np.linspace(0.0, -0.5, 83)
-    ticks["phase"][44:], ticks["activity"][44:] = Phase.CAGING, Activity.CLOSING
-    for touch in outcome.contacts:
-        ticks["hand_wrench"][round(touch.start * 10) + 1, int(touch.arm == "right"), 0] = touch.peak
-    return ticks
+    monitor, memory, state = (np.zeros(1, kind)[0] for kind in (MONITOR, MEMORY, PLANT_STATE))
+    parameters, robot, shapes = record_of(MissionConfig()), robot_model(RobotConfig()), shapes_of(MissionConfig())
+    links = chain(robot, np.zeros(3), np.zeros((2, 3)), np.zeros(2))
+    begin_monitoring(monitor, 0.0, np.zeros(3))
+    state["target_pose"][1] = 0.35
+    for tick in range(83):
+        late = tick >= 41
+        state["time"], state["base_pose"][2] = tick / 10, -0.5 * tick / 82
+        state["target_twist"] = (0.03, -0.04, 0.1) if late else (0.0, 0.0, 1.0)
+        memory["phase"], memory["activity"] = Phase.DETUMBLING, Activity.APPROACHING
+        state["hand_wrench"], state["tip_contact"] = 0.0, 0
+        for touch in outcome.contacts:
+            arm = int(touch.arm == "right")
+            if round(10 * touch.start) <= tick <= round(10 * (touch.end or 0.0)):
+                state["tip_contact"][arm, 0] = 1
+                state["hand_wrench"][arm, 0] = touch.peak if tick == round(10 * touch.start) + 1 else 0.0
+        watch(monitor, memory, parameters, robot, shapes, state, links)
+        if tick >= 44:
+            memory["phase"], memory["activity"] = Phase.CAGING, Activity.CLOSING
+        note_decision(monitor, memory, state)
+    return monitor
 
 
 def task(index: int = 1) -> CellTask:
@@ -62,10 +80,9 @@ def flown(monkeypatch):
     """What `run_capture` was asked for; it answers with the outcome above."""
     asked = []
 
-    def answer(config, *, direct, on_ticks):
+    def answer(config, *, direct):
         asked.append((config, direct))
-        on_ticks(ticks_of(OUTCOME))
-        return RunResult(OUTCOME, ticks=8200, simulated_time=8.2, wall_time=0.1)
+        return RunResult(OUTCOME, ticks=8200, simulated_time=8.2, wall_time=0.1, monitor=noted(OUTCOME))
 
     monkeypatch.setattr(run, "run_capture", answer)
     return asked

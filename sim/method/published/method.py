@@ -12,6 +12,7 @@ from sim.control.phases import Command
 from sim.method.method import Method, register_kernel
 from sim.method.published import sequence
 from sim.method.published.memory import PUBLISHED_MEMORY, Activity, PlanKind, PublishedHandle
+from sim.method.published.refusal import refusal
 from sim.method.published.words import WORDS
 
 
@@ -32,6 +33,8 @@ METHOD = Method(
     commands=frozenset(Command),
     handle=_handle,
     spin_threshold=_spin_threshold,
+    refusal=refusal,
+    enclosure=None,
     words=WORDS,
 )
 

@@ -8,14 +8,29 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from sim.compiled import FloatArray, compiled
-from sim.control.trajectory import BOTH_ARMS, LEFT, RIGHT, add_knot, predict_target, start_plan, time_to_angle
+from sim.control.trajectory import BOTH_ARMS, LEFT, RIGHT, add_knot, predict_target, start_plan
 from sim.method.published.memory import PlanKind
 from sim.model.planar import folded, rotated, sign
 from sim.record import Record
 
 _QUARTER = math.pi / 4
 _HALF = math.pi / 2
+
+
+@compiled
+def time_to_angle(angle_to_go: float, spin: float, at_least: float) -> float:
+    """Time [s] until a square spinning at `spin` [rad/s] has turned by an angle, modulo its quarter turn.
+
+    Not less than `at_least` [s]: quarter turns are added until it is.
+    """
+    time: float = np.fmod(angle_to_go, _HALF) / spin
+    quarter_turn = _HALF / abs(spin)
+    if time < at_least:
+        time += quarter_turn * math.ceil((at_least - time) / quarter_turn)
+    return time
 
 
 @compiled
@@ -93,18 +108,3 @@ def _add_pair(memory: Record, duration: float, x: float, y: float, distance: flo
     add_knot(memory, LEFT, duration, x - along_x, y - along_y, turn - _HALF)
     add_knot(memory, RIGHT, duration, x + along_x, y + along_y, turn + _HALF)
     memory.plan_knots += 1
-
-
-@compiled
-def plan_release(memory: Record, parameters: Record, state: Record, hand_pose: FloatArray) -> None:
-    """Plan the opening: each hand draws back from the target along its own axis, without turning."""
-    caging, pose = parameters.published.caging, state.target_pose
-    start_plan(memory, PlanKind.RELEASE, BOTH_ARMS, state.time, hand_pose)
-    for arm in range(2):
-        x, y, angle = hand_pose[arm, 0], hand_pose[arm, 1], hand_pose[arm, 2]
-        back_x, back_y = math.sin(angle), -math.cos(angle)
-        present = (x - pose[0]) * back_x + (y - pose[1]) * back_y
-        step = max(0.0, caging.release_distance - present)
-        add_knot(memory, arm, caging.release_time, x + step * back_x, y + step * back_y, angle)
-    memory.plan_knots = 2
-    predict_target(memory, pose, state.target_twist, caging.release_time)

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import math
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.control.admittance import admitted
 from sim.control.hand_motion import NO_HANDS, track
 from sim.control.memory import NEVER
 from sim.control.phases import Phase, Sequence, Verdict, phase_after
-from sim.control.trajectory import BOTH_ARMS, plan_end
+from sim.control.trajectory import BOTH_ARMS, plan_end, plan_opening
 from sim.method.published.memory import Activity, PlanKind, PublishedHandle
-from sim.method.published.plans import plan_cage, plan_release, plan_touch
+from sim.method.published.plans import plan_cage, plan_touch
 from sim.model.robot import Chain, RobotModel, tip_position
-from sim.record import Record
+from sim.record import Record, copy_rows
 
 
 @compiled
@@ -31,7 +31,7 @@ def begin(handle: PublishedHandle, memory: Record) -> None:
     own.admittance_velocity[:] = 0.0
 
 
-@compiled
+@compiled_inline
 def react(
     handle: PublishedHandle, memory: Record, parameters: Record, state: Record, verdict: int
 ) -> tuple[int, int, int]:
@@ -53,10 +53,11 @@ def react(
     return phase, Activity.NONE, PlanKind.NONE
 
 
-@compiled
+@compiled_inline
 def _update_contact_and_spin_timers(own: Record, memory: Record, parameters: Record, state: Record) -> None:
     """Contact now, and the first instant of spin under its threshold."""
-    if state.tip_contact.any():
+    contact = state.tip_contact
+    if contact[0, 0] or contact[0, 1] or contact[1, 0] or contact[1, 1]:
         own.last_contact = state.time
         own.replan_after_contact = 1
     slow = abs(state.target_twist[2]) < parameters.published.caging.spin_threshold
@@ -64,7 +65,7 @@ def _update_contact_and_spin_timers(own: Record, memory: Record, parameters: Rec
         own.slow_since = state.time
 
 
-@compiled
+@compiled_inline
 def _detumble(own: Record, memory: Record, parameters: Record, state: Record) -> tuple[int, int, int]:
     """Absorb while in contact and a fixed time after, let the target go, plan again, follow, wait."""
     touch = parameters.published.touch
@@ -81,7 +82,7 @@ def _detumble(own: Record, memory: Record, parameters: Record, state: Record) ->
     return Phase.DETUMBLING, Activity.APPROACHING if following else Activity.WAITING, PlanKind.NONE
 
 
-@compiled
+@compiled_inline
 def _cage(own: Record, memory: Record, parameters: Record, state: Record) -> tuple[int, int, int]:
     """Plan the enclosure when it is due, follow it, lock the arms once it is done and closed."""
     caging, touch = parameters.published.caging, parameters.published.touch
@@ -125,10 +126,10 @@ def plan(
         direct = memory.sequence == Sequence.DIRECT_CAGE
         plan_cage(memory, parameters, state, hand_pose, caging.direct_capture_time if direct else caging.capture_time)
     else:
-        plan_release(memory, parameters, state, hand_pose)
+        plan_opening(memory, state, hand_pose, kind, caging.release_distance, caging.release_time)
 
 
-@compiled
+@compiled_inline
 def hand_twist(
     handle: PublishedHandle,
     memory: Record,
@@ -152,7 +153,7 @@ def hand_twist(
     return BOTH_ARMS
 
 
-@compiled
+@compiled_inline
 def absorb(
     own: Record, memory: Record, transition: FloatArray, state: Record, hand_pose: FloatArray, velocity: FloatArray
 ) -> None:
@@ -171,11 +172,11 @@ def absorb(
             own.admittance_displacement[arm, axis] = displacement
             own.admittance_velocity[arm, axis] = speed
             velocity[arm, axis] = speed
-    memory.desired_hand_pose[:] = hand_pose
-    memory.desired_hand_twist[:] = velocity
+    copy_rows(memory.desired_hand_pose, hand_pose)
+    copy_rows(memory.desired_hand_twist, velocity)
 
 
-@compiled
+@compiled_inline
 def idle_arm_is_free(
     memory: Record, parameters: Record, robot: RobotModel, state: Record, hand_pose: FloatArray
 ) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 from sim.config import MissionConfig
 from sim.control.phases import Phase
+from sim.method.conditions import OPEN, enclosed_condition, open_hands_condition
 from sim.method.method import Words
 from sim.method.published.memory import Activity
 from sim.snapshot import Condition, Plan, Touch
@@ -15,7 +16,7 @@ from sim.snapshot import Condition, Plan, Touch
 def _motion(row: Any, plan: Plan | None, touches: Sequence[Touch]) -> str:
     activity = Activity(int(row["activity"]))
     if Phase(int(row["phase"])) is Phase.RELEASED:
-        return "Both hands draw back." if activity is Activity.OPENING else "The hands are open; the arms hold."
+        return "Both hands draw back." if activity is Activity.OPENING else OPEN
     spin = float(row["target_perceived_twist"][2])
     hand = "right" if plan and plan.right and not plan.left else "left"
     remaining = max(0.0, plan.times[-1] - float(row["time"])) if plan else 0.0
@@ -44,9 +45,7 @@ def _next_step(row: Any, config: MissionConfig, phase: Phase) -> tuple[str, list
         return "caging", [spin, Condition.of("absorbed", words, met=absorbed)]
     if phase is Phase.CAGING:
         return "holding", _closing_conditions(bool(row["perceived_closed"]), activity)
-    opened = activity is not Activity.OPENING
-    words = "the hands are open" if opened else "the hands are still opening"
-    return "capture", [Condition.of("hands_open", words, met=opened)]
+    return "capture", [open_hands_condition(met=activity is not Activity.OPENING)]
 
 
 def _spin_condition(spin: float, threshold: float) -> Condition:
@@ -57,9 +56,8 @@ def _spin_condition(spin: float, threshold: float) -> Condition:
 
 def _closing_conditions(closed: bool, activity: Activity) -> list[Condition]:
     done = activity is not Activity.CLOSING
-    enclosed = "the tips enclose the target" if closed else "the tips do not enclose the target yet"
     moved = "the closing motion is done" if done else "the closing motion is under way"
-    return [Condition.of("enclosed", enclosed, met=closed), Condition.of("closing_done", moved, met=done)]
+    return [enclosed_condition(met=closed), Condition.of("closing_done", moved, met=done)]
 
 
 def _unmet(row: Any, config: MissionConfig) -> str:
@@ -81,6 +79,7 @@ WORDS = Words(
         Activity.CLOSING: "The closing of both hands is planned",
         Activity.OPENING: "The opening of both hands is planned",
     },
+    trouble={},
     motion=_motion,
     next_step=_next_step,
     unmet=_unmet,
