@@ -1,0 +1,1 @@
+"""Limits of signals, and what has gone beyond them: seen, acknowledged, shelved, kept."""
