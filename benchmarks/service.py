@@ -16,20 +16,21 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import httpx
+import numpy as np
+import psutil
+import viser
 from prometheus_client.parser import text_string_to_metric_families
 from websockets.asyncio.client import connect
+from websockets.typing import Subprotocol
 
-from server.library.export import MEDIA_TYPES, exported
-from server.library.reader import RunReader
-from server.library.runs import RunStore, new_record
-from server.library.scripted import fly
 from sim.capture.mission import prepare
+from sim.capture.run import run_capture
 from sim.configurations import named_configuration
 
 FIRST_PAGE_FIGURE = 3.0
@@ -41,6 +42,21 @@ RATE = 60.0
 CLIENTS = (1, 10, 30, 100)
 WATCHED = 8.0
 """Wall time for each number of clients [s]."""
+
+SETTLING = 8.0
+"""Wall time that a service is left alone with what it loads in the background after its start [s]."""
+
+FLOWN = 6.0
+"""Of a capture, while the cost of it is measured: it moves as long [s]."""
+
+IDLE_FIGURE, READER_FIGURE, SCENE_FIGURE = 0.05, 10.0, 15.0
+"""To reach: processor time of an idle service, of one core; of a capture with a reader, and with the scene, too, as a
+multiple of what the same capture costs headless."""
+
+ANSWER_FIGURES = {0.5: 4.0, 0.99: 10.0}
+"""To reach: quantiles of the time to the answer to a command [ms]."""
+
+ANSWERS = 300
 
 Figures = dict[str, float]
 
@@ -138,6 +154,94 @@ def later_than(before: dict[tuple[str, ...], float], after: dict[tuple[str, ...]
     return 1.0 - within / turns
 
 
+def headless_cost() -> float:
+    """Processor time of a capture that is flown headless, of each simulated second [s]."""
+    config, times = named_configuration("published_figures"), []
+    prepare(config)
+    for _ in range(3):
+        before = time.process_time()
+        flown = run_capture(config)
+        times.append((time.process_time() - before) / flown.simulated_time)
+    return min(times)
+
+
+def cost(running: Running, work: Callable[[], object]) -> float:
+    """Processor time of the service while something is done, of one core."""
+    before, began = psutil.Process(running.process.pid).cpu_times(), time.monotonic()
+    work()
+    after, elapsed = psutil.Process(running.process.pid).cpu_times(), time.monotonic() - began
+    return (after.user + after.system - before.user - before.system) / elapsed
+
+
+def _capture_begins(running: Running) -> None:
+    command(running, "reset")
+    command(running, "capture")
+
+
+def costs(running: Running) -> Figures:
+    """What the live mission costs beside what the same capture costs headless."""
+    time.sleep(SETTLING)
+    idle, headless = cost(running, lambda: time.sleep(WATCHED)), [headless_cost()]
+    captures = {}
+    _capture_begins(running)
+    captures["a capture, nobody looks"] = cost(running, lambda: time.sleep(FLOWN))
+    _capture_begins(running)
+    captures["one reader"] = cost(running, lambda: readers(running.port, 1, FLOWN))
+    _capture_begins(running)
+    with viewer(running.port):
+        captures["one reader and the scene"] = cost(running, lambda: readers(running.port, 1, FLOWN))
+    command(running, "reset")
+    headless.append(headless_cost())
+    figures = {"idle, nobody looks: of one core": idle, "idle: of the bound of 5 %": idle / IDLE_FIGURE}
+    for label, taken in captures.items():
+        figures[f"{label}: of one core"] = taken
+        figures[f"{label}: times the same capture headless"] = taken / min(headless)
+    figures["headless, in real time: of one core"] = min(headless)
+    figures["headless, the slower of two looks, over the quicker"] = max(headless) / min(headless)
+    return figures
+
+
+@contextmanager
+def viewer(port: int) -> Iterator[None]:
+    """Somebody to whom the scene is sent, in a process of their own."""
+    command = [sys.executable, "-m", "benchmarks.service", "--view", str(port)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "it is seen\n"
+        try:
+            yield
+        finally:
+            process.kill()
+
+
+async def _view(port: int) -> None:
+    """Take whatever the scene sends, as a browser does, for ever."""
+    protocol = Subprotocol(f"viser-v{viser.__version__}")
+    async with connect(f"ws://127.0.0.1:{port}/scene", subprotocols=[protocol], max_size=None, proxy=None) as socket:
+        await socket.recv()
+        print("it is seen", flush=True)
+        async for _ in socket:
+            pass
+
+
+def answers(running: Running) -> Figures:
+    """How soon commands are answered while a capture flies."""
+    times = []
+    _capture_begins(running)
+    before = running.samples()
+    with httpx.Client(base_url=running.api, timeout=60) as client:
+        for number in range(ANSWERS):
+            asked = time.monotonic()
+            client.post("/mission/commands", json={"command": "run"}).raise_for_status()
+            times.append(1e3 * (time.monotonic() - asked))
+            time.sleep(0.003 + 0.001 * (number % 17))
+    late = later_than(before, running.samples(), "0.005")
+    found = {f"answered, {share:.0%}, ms": float(np.quantile(times, share)) for share in ANSWER_FIGURES}
+    bounds = {f"answered, {share:.0%}, of {figure:g} ms": found[f"answered, {share:.0%}, ms"] / figure
+              for share, figure in ANSWER_FIGURES.items()}  # fmt: skip
+    return {**found, **bounds, "turns later than 5 ms meanwhile": late}
+
+
 def fan_out(running: Running) -> Figures:
     """Telemetry to more and more readers while a capture flies, and what it costs."""
     figures: Figures = {}
@@ -170,35 +274,11 @@ def lateness(running: Running, duration: float) -> Figures:
     return figures
 
 
-def logs(folder: Path) -> Figures:
-    """How fast a capture is written and exported, relative to real time and to flying it without a log."""
-    prepare()
-    store = RunStore(folder / "runs").make_root()
-    record = new_record("scripted", "published", named_configuration("published"))
-    store.create(record)
-    before = time.perf_counter()
-    flown = fly(store, record)
-    figures = {"written while flying, times real time": flown.duration / (time.perf_counter() - before)}
-    reader = store.read(record.id)
-    for log_format in MEDIA_TYPES:
-        figures[f"exported as {log_format}, times real time"] = flown.duration / _export_time(reader, log_format)
-    figures["log on disk, MB for a simulated second"] = reader.log_path.stat().st_size / 1e6 / flown.duration
-    return figures
-
-
-def _export_time(reader: RunReader, log_format: str) -> float:
-    before = time.perf_counter()
-    for _ in exported(reader, log_format):  # type: ignore[arg-type]
-        pass
-    return time.perf_counter() - before
-
-
 def measured() -> dict[str, Figures]:
     """Every table."""
     tables: dict[str, Figures] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        tables["Logs of a capture"] = logs(folder)
         with service(folder):
             pass  # compiled code and Python's own are there: the start after it is one as every day's
         with service(folder) as running:
@@ -206,6 +286,8 @@ def measured() -> dict[str, Figures]:
                 "first page, s": running.first_page,
                 "first page, of the 3 s to reach": running.first_page / FIRST_PAGE_FIGURE,
             }
+            tables["Cost of the live mission"] = costs(running)
+            tables["Answers to commands"] = answers(running)
             tables["Lateness of ticks"] = lateness(running, WATCHED)
             tables["Telemetry to many"] = fan_out(running)
     return tables
@@ -216,7 +298,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument("--read", nargs=3, help=argparse.SUPPRESS)
+    parser.add_argument("--view", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if arguments.view:
+        asyncio.run(_view(arguments.view))
+        return 0
     if arguments.read:
         port, clients, duration = arguments.read
         print(asyncio.run(_read(int(port), int(clients), float(duration))))

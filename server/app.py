@@ -18,19 +18,28 @@ from server.access.audit import AuditLog
 from server.access.guard import Guard
 from server.access.headers import SecurityHeaders
 from server.access.origin import SameOrigin
+from server.alarms.board import AlarmRecord
+from server.alarms.limits import LimitStore
+from server.alarms.watch import AlarmWatch
 from server.api import (
     PREFIX,
+    alarms,
+    atlases,
     config,
     control,
+    fits,
     health,
+    imports,
     link,
     metrics,
     mission,
     playback,
     presets,
+    rehearsals,
     runs,
     scene,
     session,
+    shift_log,
     studies,
     telemetry,
 )
@@ -43,12 +52,14 @@ from server.edge.prefix import ForwardedPrefix
 from server.edge.turns import Turns
 from server.from_settings import access_from_settings, link_from_settings, workers_from_settings
 from server.library.index import RunIndex
+from server.library.journal import Journal
 from server.library.presets import PresetStore
 from server.library.recorder import Recorder
 from server.library.replay_sessions import ReplaySessions
 from server.library.retention import Expired, keep_removing
 from server.library.runs import RunStore
 from server.library.scripted import ScriptedRuns
+from server.library.shift_log import ShiftEntry
 from server.mission.cut_off import cut_off_run
 from server.mission.feed import Feed
 from server.mission.loop import MissionLoop
@@ -58,6 +69,8 @@ from server.pages.console import serve_console
 from server.process.aside import Aside
 from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import shorten_switch_interval
+from server.rehearsals.look_ahead import LookAhead
+from server.rehearsals.queue import RehearsalQueue
 from server.scene import Scene
 from server.settings import Settings
 from server.studies.queue import StudyQueue
@@ -121,16 +134,17 @@ def _compose(settings: Settings) -> Services:
     """
     initial = settings.initial_config()
     feed = Feed()
-    store = RunStore(settings.data_dir / "runs")
+    store = RunStore(settings.data_dir / "runs", settings.log_topic_rate)
     recorder = Recorder(store)
     studies = StudyStore(settings.data_dir / "studies")
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
     link = link_from_settings(settings, initial)
+    loop, rehearsal_queue = MissionLoop(settings.configuration, initial, feed, recorder, disk, link), RehearsalQueue()
     return Services(
         settings=settings,
         access=access_from_settings(settings),
         feed=feed,
-        loop=MissionLoop(settings.configuration, initial, feed, recorder, disk, link),
+        loop=loop,
         link=link,
         recorder=recorder,
         disk=disk,
@@ -140,7 +154,15 @@ def _compose(settings: Settings) -> Services:
         presets=PresetStore(settings.data_dir),
         studies=studies,
         study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
+        rehearsals=rehearsal_queue,
+        look_ahead=LookAhead(rehearsal_queue, loop.situation, settings.go_odds, settings.go_peak_force),
         aside=Aside(),
+        alarms=AlarmWatch(
+            feed,
+            LimitStore(settings.data_dir),
+            Journal(settings.data_dir, "alarms", AlarmRecord, disk.require_folder),
+        ),
+        shift_log=Journal(settings.data_dir, "shift-log", ShiftEntry, disk.require_folder),
         scene=Scene(initial),
         replay_sessions=ReplaySessions(),
     )
@@ -180,6 +202,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.feed.cut_off = cut_off_run(services.store)
         services.scripted.resume()
         services.study_queue.start()
+        services.rehearsals.start()
         settings = services.settings
         watching = (
             asyncio.create_task(
@@ -189,6 +212,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
             ),
             asyncio.create_task(services.disk.keep_looking()),
             asyncio.create_task(_warm_up(services)),
+            asyncio.create_task(services.alarms.keep_looking()),
         )
         try:
             yield
@@ -221,6 +245,7 @@ async def _end(services: Services, projector: Projector) -> None:
         partial(_end_mission, services),
         services.scripted.shutdown,
         services.study_queue.shutdown,
+        services.rehearsals.shutdown,
     )
     threads = ThreadPoolExecutor(len(ends), "becalm-end")  # of their own: others may all be taken
     loop = asyncio.get_running_loop()
@@ -245,11 +270,17 @@ def _route(app: FastAPI) -> None:
         control,
         config,
         presets,
+        alarms,
+        shift_log,
         link,
         scene,
         runs,
         playback,
         studies,
+        rehearsals,
+        fits,
+        imports,
+        atlases,
         telemetry,
     ):
         api.include_router(resource.router)

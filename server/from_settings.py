@@ -54,7 +54,6 @@ def _link_settings(settings: Settings) -> LinkSettings:
             {
                 "transport": transport,
                 "deadline": settings.link_deadline,
-                "contact_threshold": settings.contact_threshold,
                 "detect_freeze": settings.link_detect_freeze,
                 "robot": settings.link_robot,
                 "world_frame": settings.link_world_frame,

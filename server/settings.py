@@ -8,17 +8,24 @@ from __future__ import annotations
 
 import ipaddress
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from platformdirs import user_data_path
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic_settings import (
+    BaseSettings,
+    EnvSettingsSource,
+    InitSettingsSource,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+)
 
 from server.edge.authority import LOOPBACK_NAMES, host_name
 from server.link.bounds import Bounds, ListedBounds, ListedFrame, WristFrame
 from sim.config import MissionConfig
-from sim.configurations import merged, named_configuration, read_config_file, revised
+from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, read_config_file, revised
 from sim.errors import ConfigError
 from sim.schema_history import Read
 from sim.stored import in_file
@@ -27,6 +34,11 @@ from sim.study.cores import cores
 ENVIRONMENT_PREFIX = "BECALM_"
 SETTINGS_FILE = "BECALM_SETTINGS"
 """The variable that names a settings file."""
+
+REMOVED: Mapping[str, str] = {
+    "contact_threshold": "it is the parameter perception.contact_threshold now, set by --set, --config or [changes]",
+}
+"""Settings of earlier versions, and what holds instead."""
 
 ROBOT_CONFIGURATION = "testbed"
 """What a mission with a robot opens with, unless another is chosen."""
@@ -53,10 +65,16 @@ def default_data_dir() -> Path:
         raise ConfigError(what, tip="name one with BECALM_DATA_DIR or --data-dir") from None
 
 
-class Settings(BaseModel):
+class Settings(BaseSettings):
     """Frozen; see the module for which source wins."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    # Lists are written with commas, not as JSON: the validators below read them.
+    model_config = SettingsConfigDict(frozen=True, extra="forbid", env_prefix=ENVIRONMENT_PREFIX, enable_decoding=False)
+
+    @classmethod
+    def settings_customise_sources(cls, *_: Any, **sources: Any) -> tuple[PydanticBaseSettingsSource, ...]:
+        """What is given, and nothing else; `choose` reads environment and file, too."""
+        return (sources["init_settings"],)
 
     host: str = Field("127.0.0.1", min_length=1, description="Address to listen on")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes any free one")
@@ -67,6 +85,13 @@ class Settings(BaseModel):
         1.0,
         ge=0,
         description="Free space below which the operator is warned and no further run or study is queued [GB]",
+    )
+    log_topic_rate: float | None = Field(
+        None,
+        ge=1,
+        le=1e5,
+        description="Most messages a second of each topic of a log beside /becalm/tick, which has every tick; none:"
+        " joint states and wrenches at every tick, transforms and poses at every 16th",
     )
     plant: Literal["simulation", "zenoh"] = Field(
         "simulation", description="What is flown; zenoh: the robot at the other end of --connect or --link-listen"
@@ -87,7 +112,6 @@ class Settings(BaseModel):
     link_bounds: ListedBounds = Field(
         Bounds(), description="What a reading of the robot's may be: force=N,tilt=RAD and others (docs/link.md)"
     )
-    contact_threshold: float = Field(0.12, gt=0, le=100, description="Wrist force that counts as contact [N]")
     link_user: str | None = Field(None, description="Name by which the robot's end knows the console")
     link_password_file: Path | None = Field(None, description="File that holds that user's password")
     link_tls_ca: Path | None = Field(None, description="Authorities that the robot's certificate is checked by")
@@ -95,7 +119,7 @@ class Settings(BaseModel):
     link_tls_key: Path | None = Field(None, description="Its private key")
     realtime: bool = Field(False, description="Whether the system runs this process before others (Linux, if it may)")
     configuration: str = Field(
-        "published_figures",
+        DEFAULT_CONFIGURATION,
         description="Named configuration that the live mission opens with; with a robot testbed, unless given",
     )
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
@@ -109,6 +133,12 @@ class Settings(BaseModel):
         None,
         pattern=SCHEDULER_ADDRESS,
         description="Dask scheduler whose workers fly studies, tcp://HOST:8786; none: processes on this machine",
+    )
+    go_odds: float = Field(
+        0.9, ge=0, le=1, description="Part of the futures that must end in a cage, for go before the next request"
+    )
+    go_peak_force: float | None = Field(
+        None, gt=0, description="Force that 95 % of those futures must stay below [N]; none: any"
     )
     require_tokens: bool | None = Field(
         None, description="Whether a token is needed; none: beyond loopback it is, on loopback it is not"
@@ -208,31 +238,49 @@ def choose(environment: Mapping[str, str], file: Path | None = None, **flags: An
         flags: by the name of the setting; `changes` add to those of the file.
 
     Raises:
-        ConfigError: an invalid value; the message names the setting, where it stands and what would be right.
+        ConfigError: an invalid value, or a setting that was removed; the message names the setting, where it stands
+            and what would be right.
 
     """
-    values: dict[str, Any] = {}
-    sources: dict[str, str] = {}
-    notices: tuple[str, ...] = ()
-    for where, (given, ignored) in _layers(environment, file, flags):
-        notices += ignored
-        for name, value in given.items():
-            values[name] = merged(values.get(name, {}), value) if name == "changes" and value else value
-            sources[name] = where.format(option=name.replace("_", "-"), variable=_variable(name))
+    layers, notices = _layers(environment, file, flags)
+    sources = {name: layer.where(name) for layer in layers for name in layer.source()}
+    _refuse_removed(environment, sources)
+
+    class Layered(Settings):
+        @classmethod
+        def settings_customise_sources(cls, *_: Any, **__: Any) -> tuple[PydanticBaseSettingsSource, ...]:
+            return tuple(layer.source for layer in reversed(layers))
+
     try:
-        return Chosen(Settings(**values), sources, notices)
+        return Chosen(Layered(), sources, notices)
     except ValidationError as error:
         raise ConfigError(_explained(error, sources), tip="becalm serve --help lists every setting") from None
 
 
-def _layers(environment: Mapping[str, str], file: Path | None, flags: Mapping[str, Any]) -> Iterator[tuple[str, Read]]:
-    """What each source says, with the source's name; the weakest first."""
+class _Layer(NamedTuple):
+    """Settings of one kind of source."""
+
+    source: PydanticBaseSettingsSource
+    where: Callable[[str], str]
+    """What a person calls the place where the setting of that name stands."""
+
+
+def _layers(
+    environment: Mapping[str, str], file: Path | None, flags: Mapping[str, Any]
+) -> tuple[list[_Layer], tuple[str, ...]]:
+    """What each source says, the weakest first; and what is ignored of the file."""
+    variables = EnvSettingsSource(Settings)
+    variables.env_vars = {name.lower(): text for name, text in environment.items() if text}
+    given = {name: value for name, value in flags.items() if value not in (None, {})}
+    layers = [
+        _Layer(variables, _variable),
+        _Layer(InitSettingsSource(Settings, given), lambda name: "--" + name.replace("_", "-")),
+    ]
     named = file or environment.get(SETTINGS_FILE)
-    if named:
-        yield str(named), _settings_file(Path(named))
-    texts = {name: environment.get(_variable(name)) for name in Settings.model_fields if name != "changes"}
-    yield "{variable}", Read({name: text for name, text in texts.items() if text}, ())
-    yield "--{option}", Read({name: value for name, value in flags.items() if value not in (None, {})}, ())
+    if not named:
+        return layers, ()
+    read = _settings_file(Path(named))
+    return [_Layer(InitSettingsSource(Settings, read.values), lambda _: str(named)), *layers], read.notices
 
 
 def _settings_file(path: Path) -> Read:
@@ -242,6 +290,19 @@ def _settings_file(path: Path) -> Read:
         return Read(settings, ())
     changes = in_file(path, settings["changes"], "settings file")
     return Read({**settings, "changes": changes.values}, changes.notices)
+
+
+def _refuse_removed(environment: Mapping[str, str], sources: Mapping[str, str]) -> None:
+    """Refuse a setting of an earlier version: to ignore it would change what is flown.
+
+    Raises:
+        ConfigError: the message says where it stands, and what holds instead.
+
+    """
+    for name, instead in REMOVED.items():
+        where = _variable(name) if environment.get(_variable(name)) else sources.get(name)
+        if where is not None:
+            raise ConfigError(f"{name} is no longer a setting ({where}): {instead}", tip="write it there instead")
 
 
 def _variable(name: str) -> str:

@@ -46,11 +46,11 @@ RULES = (
     _rule("POST", "/api/v1/mission/stop", Role.VIEWER),
     _rule(f"{_READ} {WEBSOCKET}", "/(api/v1|scene)(/.*)?", Role.VIEWER),
     _rule("GET HEAD", "/metrics", Role.VIEWER),
-    _rule("DELETE", "/api/v1/presets/.*", Role.OPERATOR),
+    _rule("DELETE", "/api/v1/(presets|rehearsals|atlases|alarms)/.*", Role.OPERATOR),
     _rule("DELETE", "/api/v1/.*", Role.ADMIN),
     _rule("POST PUT PATCH", "/api/v1/.*", Role.OPERATOR),
     # The console's own files hold nothing of the mission, and sign people in.
-    _rule(_READ, r"/|/index\.html|/favicon\.svg|/(assets|swagger)/.*", None),
+    _rule(_READ, r"/|/index\.html|/favicon\.svg|/(assets|swagger|help)/.*", None),
     _rule(_READ, ".*", Role.VIEWER),
 )
 """The first that fits holds."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any, Literal
 
@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from server.api.mission import answered
 from server.api.parameter_titles import group_title, parameter_title
-from server.api.services import AskerDep, Services, ServicesDep
+from server.api.services import AskerDep, PatienceDep, Services, ServicesDep
 from server.edge.etags import IfNoneMatch, known_or_new, tagged
 from server.edge.problem_json import responses
 from server.edge.values import Changes
@@ -22,12 +22,18 @@ from server.errors import ConfigOutdated
 from server.mission.inbox import Request, Revision, arguments_of
 from sim.config import PARAMETERS, MissionConfig, differences, is_live, value_at
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration, revised
+from sim.method.method import method_named
+from sim.method.registry import MethodName
+from sim.parameters import FARTHEST, Points
 
 ATTEMPTS = 5
 """How often a change is checked again because others changed parameters meanwhile."""
 
 _one_thread = ThreadPoolExecutor(1, "becalm-parameters")
 """Checks one change at a time: more would only take Python from one another, and from all else."""
+
+METHOD = "method"
+"""The parameter that names the method."""
 
 router = APIRouter(tags=["configuration"])
 
@@ -36,6 +42,7 @@ DESCRIPTIONS = {
     "as_printed": "The constants as the paper's Tables I and II print them",
     "published_figures": "The impedance that fits the paper's figures: five soft touches, m 0.2, d 0.1, k 0.1",
     "testbed": "The air-bearing robot of the experiment: 200 Hz, its PID gains, rigid hands; m 0.1, d 6, k 50",
+    "becalm": "Our own method: both hands brake the target as a couple that moves with its faces; noisy sensors",
 }
 
 
@@ -67,21 +74,26 @@ class ConfigurationBody(BaseModel):
 
 
 class Parameter(BaseModel):
-    """One number or choice of the configuration."""
+    """One number, choice or list of points of the configuration."""
 
     path: str = Field(examples=["published.impedance.damping"])
     group: str = Field(examples=["published.impedance"])
     name: str = Field(examples=["damping"])
     title: str = Field(description="Of what it is, in a few words", examples=["Virtual damping of the hand"])
     group_title: str = Field(description="Heading of its group", examples=["Impedance of the hands"])
-    type: Literal["number", "integer", "choice"]
+    type: Literal["number", "integer", "choice", "points"]
     description: str
     unit: str = Field(description="SI; 1 if it has none", examples=["N s/m"])
-    default: float | int | str
-    minimum: float | None = None
+    default: float | int | str | Points
+    minimum: float | None = Field(None, description="Of points, that of each coordinate; so are the other two")
     exclusive_minimum: float | None = None
     maximum: float | None = None
+    fewest: int | None = Field(None, description="Points that the list has at least")
+    most: int | None = Field(None, description="Points that it has at most")
     choices: list[str] | None = None
+    choice_titles: dict[str, str] = Field(
+        {}, description="Of choices whose name does not say what they are: what each is, in a few words"
+    )
     source: str = Field(description="Where the default comes from", examples=["Sec. IV-B, representative case"])
     live: bool = Field(description="May change while a mission flies")
 
@@ -103,6 +115,7 @@ async def config(services: ServicesDep, response: Response, if_none_match: IfNon
 async def change_config(
     services: ServicesDep,
     asker: AskerDep,
+    patience: PatienceDep,
     changes: Annotated[
         Changes,
         Body(description="Nested, only what changes", examples=[{"published": {"impedance": {"damping": 3.0}}}]),
@@ -116,6 +129,7 @@ async def change_config(
     ] = None,
 ) -> ConfigBody:
     """Change parameters, all or none: live ones from the next tick on, others only while nothing is under way."""
+    await patience.until_ready()
     loop = asyncio.get_running_loop()
     for attempt in range(1, ATTEMPTS + 1):
         before = services.loop.view.config
@@ -179,26 +193,31 @@ def _parameter(path: str) -> Parameter:
     field = PARAMETERS[path]
     group, _, name = path.rpartition(".")
     kind: Any = field.annotation
-    is_choice = isinstance(kind, type) and issubclass(kind, StrEnum)
     return Parameter(
         path=path,
         group=group,
         name=name,
         title=parameter_title(path),
         group_title=group_title(group),
-        type="choice" if is_choice else "integer" if kind is int else "number",
+        type=_TYPES.get(kind, "choice"),
         description=field.description,
         unit=field.json_schema_extra["unit"],
         default=value_at(MissionConfig(), path),
-        choices=[each.value for each in kind] if is_choice else None,
+        choices=None if kind in _TYPES else [each.value for each in kind],
+        choice_titles={each.value: method_named(each).title for each in MethodName} if path == METHOD else {},
         source=field.json_schema_extra["source"],
         live=is_live(path),
+        **({"minimum": -FARTHEST, "maximum": FARTHEST} if kind == Points else {}),
         **_bounds(field.metadata),
     )
 
 
-def _bounds(constraints: list[Any]) -> dict[str, float]:
-    bounds: dict[str, float] = {}
+_TYPES: Mapping[Any, Literal["number", "integer", "points"]] = {float: "number", int: "integer", Points: "points"}
+"""Of every parameter that is no choice."""
+
+
+def _bounds(constraints: list[Any]) -> dict[str, Any]:
+    bounds: dict[str, Any] = {}
     for constraint in constraints:
         if isinstance(constraint, annotated_types.Ge):
             bounds["minimum"] = float(constraint.ge)  # type: ignore[arg-type]
@@ -206,4 +225,8 @@ def _bounds(constraints: list[Any]) -> dict[str, float]:
             bounds["exclusive_minimum"] = float(constraint.gt)  # type: ignore[arg-type]
         elif isinstance(constraint, annotated_types.Le):
             bounds["maximum"] = float(constraint.le)  # type: ignore[arg-type]
+        elif isinstance(constraint, annotated_types.MinLen):
+            bounds["fewest"] = constraint.min_length
+        elif isinstance(constraint, annotated_types.MaxLen):
+            bounds["most"] = constraint.max_length
     return bounds

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Self
 
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from server.api.mission import answered
-from server.api.services import AskerDep, Services, ServicesDep
+from server.api.services import AskerDep, PatienceDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer, Request
@@ -19,9 +20,10 @@ router = APIRouter(prefix="/mission/control", tags=["mission"])
 
 
 class ControlStatus(BaseModel):
-    """Who is in control, and who could be."""
+    """Who is in control, who could be, and who watches."""
 
     control: Control
+    watching: dict[str, int] = Field(description="Who watches the live mission now, and on how many pages")
     operators: list[str] = Field(description="Names that may be in control; empty where no tokens are needed")
 
 
@@ -53,14 +55,18 @@ def _operators(services: Services) -> tuple[str, ...]:
 @router.get("")
 async def control(services: ServicesDep) -> ControlStatus:
     """Who is in control; every snapshot says that, too."""
-    return ControlStatus(control=services.loop.desk.control, operators=list(_operators(services)))
+    watching = dict(Counter(subscriber.name for subscriber in services.feed.subscribers))
+    return ControlStatus(control=services.loop.desk.control, watching=watching, operators=list(_operators(services)))
 
 
 @router.post("", responses=responses(409, 422, 503, 504))
-async def change_control(services: ServicesDep, asker: AskerDep, body: ControlRequest) -> CommandAnswer:
+async def change_control(
+    services: ServicesDep, asker: AskerDep, patience: PatienceDep, body: ControlRequest
+) -> CommandAnswer:
     """Take control, hand it over, release it, or relieve who has it; the mission's log says who did so."""
     operators = _operators(services)
     if body.to is not None and body.to not in operators:
         known = ", ".join(operators) or "nobody: no tokens are needed here, so there is one operator only"
         raise MissionRefused(f"to = {body.to!r} is no operator; known: {known}")
+    await patience.until_ready()
     return await answered(services, Request(body.action, who=asker, to=body.to or ""))

@@ -22,6 +22,7 @@ class Health(BaseModel):
         json_schema_extra={
             "example": {
                 "status": "ok",
+                "prepared": 1.0,
                 "version": "0.1.0",
                 "plant": "simulation",
                 "service_time": 5123.4071,
@@ -36,6 +37,7 @@ class Health(BaseModel):
     )
 
     status: LoopStatus = Field(description="preparing: the simulation is being compiled; faulted: reset it")
+    prepared: float = Field(description="How much of the simulation is compiled, from 0 to 1; 1 when it can fly")
     version: str
     plant: Literal["simulation", "zenoh"]
     service_time: float = Field(description="The service's monotonic clock [s], by which snapshots are stamped")
@@ -55,12 +57,13 @@ async def health(services: ServicesDep) -> Health:
     latest = services.feed.latest
     return Health(
         status=services.loop.status,
+        prepared=services.loop.prepared,
         version=becalm_version(),
         plant=services.settings.plant,
         service_time=time.monotonic(),
         tick_age=services.loop.tick_age,
         link_age=services.link.age() if services.link is not None else None,
-        phase=latest.snapshot.phase if latest else None,
+        phase=latest.phase if latest else None,
         recorder_lag=services.recorder.lag,
         recorder_failure=services.recorder.failure,
         access_failure=services.access.failure,

@@ -40,9 +40,8 @@ async def tare(services: ServicesDep, asker: AskerDep) -> Tared:
     if latest is None:
         raise services.loop.not_ready()
     services.loop.desk.require(asker)
-    snapshot = latest.snapshot
-    if snapshot.phase in MOVING:
-        raise MissionRefused(f"taring is refused in phase {snapshot.phase}", tip="hold the arms first")
+    if latest.phase in MOVING:
+        raise MissionRefused(f"taring is refused in phase {latest.phase}", tip="hold the arms first")
     answer = await asyncio.to_thread(robot.tare)
     if not answer.granted:
         raise MissionRefused(f"the robot refuses to tare: {answer.reason}", tip="reset takes the robot, then tare")

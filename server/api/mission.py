@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from server.api.services import AskerDep, Services, ServicesDep
+from server.api.services import AskerDep, PatienceDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
 from server.errors import LoopSilent
@@ -22,7 +22,7 @@ from server.mission.fork import Fork, ForkParent, forked
 from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of
 from server.published import ArmedCommand, MissionSnapshot
 from server.versions import versions
-from sim.configurations import DEFAULT_CONFIGURATION, NAMED_CONFIGURATIONS, revised
+from sim.configurations import NAMED_CONFIGURATIONS, REFERENCE_CONFIGURATION, revised
 from sim.errors import MissionRefused, RunNotFound
 
 ANSWER_TIME = 2.0
@@ -127,9 +127,10 @@ class Arming(BaseModel):
     message: str
 
 
-@router.get("", responses={200: {"model": MissionSnapshot}})
-async def mission(services: ServicesDep) -> Response:
+@router.get("", responses={200: {"model": MissionSnapshot}, **responses(422)})
+async def mission(services: ServicesDep, patience: PatienceDep) -> Response:
     """The latest snapshot; its `outcome` is null until the mission has one."""
+    await patience.until_ready()
     latest = services.feed.latest
     if latest is None:
         raise services.loop.not_ready()
@@ -146,8 +147,9 @@ async def history(
 
 
 @router.post("/commands", responses=responses(409, 422, 504))
-async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) -> CommandAnswer:
+async def command(services: ServicesDep, asker: AskerDep, patience: PatienceDep, body: CommandRequest) -> CommandAnswer:
     """Ask something of the mission; the answer says what the mission thread did."""
+    await patience.until_ready()
     if body.command == "fork":
         services.loop.desk.require(asker)  # before it is flown again; the mission thread decides and logs all others
     ticks = body.ticks or 1
@@ -165,13 +167,13 @@ async def command(services: ServicesDep, asker: AskerDep, body: CommandRequest) 
         fork=fork,
         arming=body.arming,
     )
-    patience = ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0)
-    return await answered(services, request, patience)
+    return await answered(services, request, ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0))
 
 
 @router.post("/arming", responses=responses(409, 422, 504))
-async def arm(services: ServicesDep, asker: AskerDep, body: ArmingRequest) -> Arming:
+async def arm(services: ServicesDep, asker: AskerDep, patience: PatienceDep, body: ArmingRequest) -> Arming:
     """Arm a command: with a robot, all that move it or take it again are refused without the token that this gives."""
+    await patience.until_ready()
     token = secrets.token_urlsafe(16)
     arguments = arguments_of(body.configuration, body.changes)
     request = Request("arm", who=asker, arms=body.command, arguments=arguments, arming=token)
@@ -222,7 +224,7 @@ def _kept_flight(services: Services, run_id: str) -> ForkParent:
         what = f"run {run_id} was flown by {reader.record.versions}, this is {versions()}"
         raise MissionRefused(what, tip="fly it again with these versions, then fork that run")
     name = base_name(reader.record.configuration)
-    known = name if name in NAMED_CONFIGURATIONS else DEFAULT_CONFIGURATION
+    known = name if name in NAMED_CONFIGURATIONS else REFERENCE_CONFIGURATION
     last = reader.last_tick()
     return ForkParent(run_id, known, reader.history(), 0 if last is None else int(last["tick"][0]) + 1)
 

@@ -15,6 +15,7 @@ _GROUPS = {
     "": ("Mission", "{}"),
     "perception": ("Perception", "{}"),
     "perception.noise": ("Sensor noise", "Noise of the {}"),
+    "perception.imperfections": ("Sensor imperfections", "{}"),
     "perception.capture": ("Motion capture", "Motion capture: {}"),
     "perception.filter": ("Filter of motion capture", "Expected {}"),
     "control": ("Controller", "{}"),
@@ -27,6 +28,9 @@ _GROUPS = {
     "simulation": ("Simulation", "{}"),
 }
 """Heading of each group, and how a name in it is completed."""
+
+_METHODS = {"co_moving_couple": "Co-moving couple"}
+"""What a method is called in the headings of its groups, where its name does not say it."""
 
 _WHOLE = frozenset(
     {
@@ -50,8 +54,9 @@ _WHOLE = frozenset(
 
 def group_title(group: str) -> str:
     """The heading of a group of parameters; its own words if this table does not know it."""
-    known = _GROUPS.get(group)
-    return _first_upper(" · ".join(map(_words, group.split(".")))) if known is None else known[0]
+    if group in _GROUPS:
+        return _GROUPS[group][0]
+    return _first_upper(" · ".join(_METHODS.get(part, _words(part)) for part in group.split(".")))
 
 
 def parameter_title(path: str) -> str:

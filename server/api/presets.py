@@ -50,7 +50,7 @@ _PRESETS = TypeAdapter(list[KeptPreset])
 @router.get("", response_model=list[KeptPreset], responses=responses(409, 422))
 async def presets(services: ServicesDep, if_none_match: IfNoneMatch = None) -> Response:
     """All of them, by name."""
-    kept = [_kept(preset) for preset in await asyncio.to_thread(services.presets.presets)]
+    kept = [kept_preset(preset) for preset in await asyncio.to_thread(services.presets.presets)]
     return known_or_new(_PRESETS.dump_json(kept), if_none_match)
 
 
@@ -60,7 +60,7 @@ async def keep_preset(services: ServicesDep, asker: AskerDep, name: PresetName, 
     await asyncio.to_thread(services.disk.require_folder)
     preset = Preset(name=name, configuration=body.configuration, changes=body.changes, who=asker, at=wall_clock())
     await asyncio.to_thread(services.presets.keep, preset)
-    return _kept(preset)
+    return kept_preset(preset)
 
 
 @router.delete("/{name}", status_code=204, responses=responses(404, 409, 422))
@@ -70,7 +70,8 @@ async def remove_preset(services: ServicesDep, name: PresetName) -> Response:
     return Response(status_code=204)
 
 
-def _kept(preset: Preset | UnreadablePreset) -> KeptPreset:
+def kept_preset(preset: Preset | UnreadablePreset) -> KeptPreset:
+    """A preset, and what it comes to."""
     if isinstance(preset, UnreadablePreset):
         return KeptPreset(name=preset.name, preset=None, config=None, refusal=preset.reason, notices=())
     config, refusal = None, None

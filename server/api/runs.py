@@ -22,13 +22,16 @@ from server.library.changes import ParameterChange, changes_of, display_name
 from server.library.decimated import decimated
 from server.library.export import MEDIA_TYPES, LogFormat, Span, exported
 from server.library.index import RunIndex, RunQuery, SortKey
-from server.library.plotted import History
+from server.library.plotted import History, HistoryColumn
 from server.library.reader import RunReader
 from server.library.record import Integrity, LoggedEvent, Note, Remarks, RunKind, RunName, RunRecord, RunStatus, Tag
 from server.library.runs import RunStore, new_record
-from sim.config import MissionConfig
+from server.library.sampled import SAMPLED, sampled
+from sim.config import Engine, MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
+from sim.control.phases import Command, Phase, next_phase
 from sim.errors import ConfigError, MissionRefused
+from sim.method.method import method_of
 from sim.snapshot import Outcome, OutcomeClass
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
@@ -123,6 +126,7 @@ class RunSummary(BaseModel):
     changes: tuple[ParameterChange, ...] = Field(description="To the named configuration, the seed left out")
     direct: bool
     seed: int
+    engine: Engine = Field(description="`simulation.engine`: what simulated it; of no meaning in a robot's run")
     initial_spin: float = Field(description="Of the target, as configured [rad/s]")
     started: str = Field(description="ISO 8601, UTC")
     duration: float = Field(description="Mission time of the last tick [s]")
@@ -196,11 +200,13 @@ def _queued(body: RunRequest, key: str | None, digest: str) -> RunRecord:
 
     Raises:
         ConfigError: its configuration cannot be.
+        MissionRefused: its method knows no direct caging, if that is asked for.
 
     """
     config = revised(named_configuration(body.configuration), body.changes)
     if body.seed is not None:
         config = revised(config, {"simulation": {"seed": body.seed}})
+    next_phase(Phase.IDLE, Command.DIRECT_CAGE if body.direct else Command.CAPTURE, method_of(config).commands)
     name = display_name(body.configuration, config)
     marks = {"idempotency_key": key, "request_digest": digest if key else None}
     return new_record("scripted", name, config, direct=body.direct, **marks)
@@ -322,6 +328,37 @@ def _ticks(root: FilePath, run_id: str, points: int, span: Span) -> bytes:
     return decimated(reader, points, span).model_dump_json(by_alias=True).encode()
 
 
+@router.get("/{run_id}/columns", responses=responses(404, 409))
+def columns(services: ServicesDep, run_id: RunId) -> list[HistoryColumn]:
+    """What may be asked of the samples of a run: every column of its log, and what plots show beside them."""
+    services.store.read(run_id)
+    return [HistoryColumn(name=column.name, unit=column.unit) for column in SAMPLED.values()]
+
+
+@router.get("/{run_id}/samples", response_model=History, responses=responses(404, 409, 503))
+async def samples(
+    services: ServicesDep,
+    run_id: RunId,
+    names: Annotated[
+        str, Query(alias="columns", min_length=1, max_length=2000, description="Names, with commas between")
+    ],
+    since: Since = None,
+    until: Until = None,
+    points: Annotated[int, Query(ge=2, le=20_000, description="Rows at most")] = 20_000,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Those columns at every tick, or every n-th of a long run: what stands in a row was so at one instant."""
+    asked = tuple(name.strip() for name in names.split(","))[:64]
+    content = await services.aside.answer(_samples, services.store.root, run_id, asked, points, Span(since, until))
+    return known_or_new(content, if_none_match)
+
+
+def _samples(root: FilePath, run_id: str, names: tuple[str, ...], points: int, span: Span) -> bytes:
+    reader = RunStore(root).read(run_id)
+    _require_log(reader, span)
+    return sampled(reader, names, points, span).model_dump_json(by_alias=True).encode()
+
+
 @router.get("/{run_id}/events", response_model=list[LoggedEvent], responses=responses(404, 409, 503))
 async def events(services: ServicesDep, run_id: RunId, if_none_match: IfNoneMatch = None) -> Response:
     """What happened in a run: events, commands with their answers, parameter changes."""
@@ -356,7 +393,7 @@ def _require_log(reader: RunReader, span: Span) -> None:
 
 def _require_not_live(services: Services, run_id: str) -> None:
     latest = services.feed.latest
-    if latest is not None and latest.snapshot.run_id == run_id:
+    if latest is not None and latest.run_id == run_id:
         raise MissionRefused(f"run {run_id} is the live mission's", tip="reset the mission first")
 
 
@@ -386,6 +423,7 @@ def _fields(reader: RunReader) -> dict[str, Any]:
         "changes": changes_of(record),
         "direct": record.direct,
         "seed": record.config.simulation.seed,
+        "engine": record.config.simulation.engine,
         "initial_spin": record.config.target.initial_spin,
         "started": record.started,
         "duration": record.duration if last is None else float(last["time"][0]),

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
-from server.api.services import Services, ServicesDep
+from server.api.services import AskerDep, Services, ServicesDep
 from server.mission.feed import Feed, Subscriber
 from server.settings import TELEMETRY_RATE_LIMITS
 from server.versions import becalm_version
@@ -31,11 +31,12 @@ router = APIRouter()
 async def telemetry(
     websocket: WebSocket,
     services: ServicesDep,
+    asker: AskerDep,
     rate: Annotated[float, Query()] = TELEMETRY_RATE_LIMITS[1],
 ) -> None:
     """Send until the client leaves or stops taking."""
     await websocket.accept()
-    subscriber = services.feed.subscribe(_within_limits(rate))
+    subscriber = services.feed.subscribe(_within_limits(rate), asker)
     sender = asyncio.create_task(_send(websocket, services, subscriber))
     receiver = asyncio.create_task(_receive(websocket, subscriber))
     try:
@@ -51,7 +52,8 @@ async def telemetry(
 
 async def _send(websocket: WebSocket, services: Services, subscriber: Subscriber) -> None:
     async def send(text: str) -> None:
-        await asyncio.wait_for(websocket.send_text(text), SEND_TIME)
+        async with asyncio.timeout(SEND_TIME):
+            await websocket.send_text(text)
 
     cut_off = services.feed.cut_off
     hello = {
@@ -77,8 +79,10 @@ async def _send_until_ready(send: Any, services: Services) -> None:
 
 async def _send_mission_so_far(send: Any, feed: Feed, subscriber: Subscriber) -> None:
     await send('{"type":"history",' + feed.history.encoded() + "}")
+    if feed.alarms is not None:
+        await send(feed.alarms.text)
     if feed.latest is not None:
-        subscriber.show(feed.latest.frame)
+        subscriber.show(feed.latest)
 
 
 async def _receive(websocket: WebSocket, subscriber: Subscriber) -> None:

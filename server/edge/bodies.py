@@ -19,6 +19,10 @@ CHECKED_HERE = 16_384
 """Bytes of a body that is looked through at once; a larger one in a thread of its own."""
 
 
+LOGS = "/imports"
+"""How the address ends to which whole logs are sent, which are no JSON and bounded by who reads them."""
+
+
 class JsonBodies:
     """Answers 413 to a larger body, also one whose length is not said beforehand, and 415 to one that is not JSON.
 
@@ -38,7 +42,7 @@ class JsonBodies:
         fault = fault_of_address(scope)
         if fault is not None:
             await _say_fault(scope, receive, send, fault)
-        elif scope["type"] != "http" or scope["method"] in ("GET", "HEAD", "OPTIONS"):
+        elif scope["type"] != "http" or scope["method"] in ("GET", "HEAD", "OPTIONS") or _is_log(scope):
             await self._app(scope, receive, send)
         else:
             await self._with_body(scope, receive, send)
@@ -59,6 +63,11 @@ class JsonBodies:
             await _say_fault(scope, receive, send, fault)
         else:
             await self._app(scope, _again(body, receive), send)
+
+
+def _is_log(scope: Scope) -> bool:
+    kind = Headers(scope=scope).get("content-type", "")
+    return scope["path"].endswith(LOGS) and kind.partition(";")[0].strip().lower() == "application/octet-stream"
 
 
 async def _whole(receive: Receive) -> bytes | None:

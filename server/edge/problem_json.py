@@ -24,16 +24,18 @@ from server.errors import (
     ConfirmationNeeded,
     DataFolderLost,
     DiskFull,
+    FitRefused,
     LoopSilent,
     PresetNotFound,
+    RehearsalNotFound,
+    RehearsalRefused,
     ServiceBusy,
     StoredUnreadable,
     StudyNotFound,
     StudyRefused,
 )
 from server.texts import shortened
-from sim.config import PARAMETERS
-from sim.configurations import MOST_FINDINGS
+from sim.configurations import MOST_FINDINGS, OF_LENGTH, bracketed_unit, independent_findings, owning_parameter
 from sim.errors import CaptureError, ConfigError, LinkLost, MissionRefused, RunNotFound
 from sim.study.executors import WorkersUnavailable
 from sim.study.table import TableUnusable
@@ -48,6 +50,9 @@ STATUSES: dict[type[CaptureError], int] = {
     PresetNotFound: 404,
     StudyNotFound: 404,
     StudyRefused: 409,
+    RehearsalNotFound: 404,
+    RehearsalRefused: 409,
+    FitRefused: 409,
     StoredUnreadable: 409,
     ConfirmationNeeded: 409,
     TableUnusable: 409,
@@ -200,8 +205,7 @@ def _config_findings(error: ConfigError) -> list[Finding]:
     """Field, value and message of each value that a configuration was refused for."""
     cause = error.__cause__ or error.__context__
     if isinstance(cause, ValidationError):
-        findings = cause.errors(include_url=False, include_context=False)
-        return [_finding(each) for each in findings[:MOST_FINDINGS]]
+        return [_finding(each) for each in independent_findings(cause)[:MOST_FINDINGS]]
     return [_named_finding(str(error))]
 
 
@@ -210,9 +214,9 @@ def _finding(error: Any) -> Finding:
     message = error["msg"].removeprefix("Value error, ")
     if not field:
         return _named_finding(message)
-    if field in PARAMETERS and (unit := PARAMETERS[field].json_schema_extra["unit"]) != "1":
-        message = f"{message} [{unit}]"
-    return Finding(field=field, value=_jsonable(error["input"]), message=message)
+    owner = None if error["type"] in OF_LENGTH else owning_parameter(field)
+    unit = "" if owner is None else bracketed_unit(owner)
+    return Finding(field=field, value=_jsonable(error["input"]), message=message + unit)
 
 
 def _named_finding(message: str) -> Finding:

@@ -10,6 +10,7 @@ from pydantic import Field
 from server.library.record import RunRecord
 from sim.config import PARAMETERS, MissionConfig, differences
 from sim.configurations import NAMED_CONFIGURATIONS, named_configuration
+from sim.parameters import points_text
 from sim.snapshot import FrozenMessage
 
 EDITED = " (edited)"
@@ -38,6 +39,8 @@ def change_words(path: str, old: Any, new: Any) -> str:
 
 
 def _value_words(value: Any) -> str:
+    if isinstance(value, tuple):
+        return points_text(value)
     return f"{value:.7g}" if isinstance(value, float) else str(value)
 
 

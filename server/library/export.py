@@ -16,7 +16,7 @@ import pyarrow as pa
 from server.library.reader import RunReader, StoredTicks
 from server.library.record import LoggedEvent
 from server.log.writer import LogWriter
-from sim.capture.tick import COLUMNS, TICK, column_values
+from sim.capture.tick import COLUMNS, TICK, all_column_values
 from sim.tabular import Sink, csv_header, csv_rows, parquet
 
 LogFormat = Literal["csv", "parquet", "mcap"]
@@ -107,10 +107,8 @@ class _Table:
         """These ticks."""
         count = len(stored.ticks)
         todays = [
-            pa.nulls(count, self.schema.field(column.name).type)
-            if column.name in self._absent
-            else pa.array(np.ascontiguousarray(column_values(stored.ticks, column)))
-            for column in COLUMNS
+            pa.nulls(count, self.schema.field(column.name).type) if column.name in self._absent else pa.array(values)
+            for column, values in zip(COLUMNS, all_column_values(stored.ticks), strict=True)
         ]
         further = [pa.array(self._layout.values(stored.payloads, each)) for each in self._layout.further]
         return pa.RecordBatch.from_arrays([*todays, *further], schema=self.schema)

@@ -3,6 +3,7 @@
     run.json      `RunRecord`: configuration, versions, status, outcome; replaced whole, never half-written
     remarks.json  what people added: notes and the star
     events.jsonl  one `LoggedEvent` a line: events, commands with their answers, configuration changes
+    beginning.npz of a run that begins on the way: what was remembered, and the plant's state (`Beginning`)
     log.mcap      every tick, the events, and what other tools show of them; grows by whole chunks
 
 A reader takes whole chunks and whole lines only, so that a write cut short by a crash costs that one.
@@ -25,6 +26,7 @@ RECORD_NAME = "run.json"
 EVENTS_NAME = "events.jsonl"
 REMARKS_NAME = "remarks.json"
 LOG_NAME = "log.mcap"
+BEGINNING_NAME = "beginning.npz"
 CANCEL_NAME = ".cancel"
 LOCK_NAME = ".writing"
 

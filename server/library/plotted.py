@@ -34,10 +34,12 @@ _ARM_QUANTITIES = (
     "desired_hand_pose",
     "hand_wrench",
     "manipulability",
+    "wanted_force",
 )
 
 
-def _recorded(column: TickColumn) -> Plotted:
+def recorded(column: TickColumn) -> Plotted:
+    """A column of the log as it is."""
     return Plotted(column.name, column.unit, lambda ticks: column_values(ticks, column).astype(float))
 
 
@@ -56,7 +58,7 @@ def _derived(arm: int, name: str) -> tuple[Plotted, ...]:
 
 
 PLOTTED: tuple[Plotted, ...] = (
-    *(_recorded(column) for column in COLUMNS if column.quantity in (*_QUANTITIES, *_ARM_QUANTITIES)),
+    *(recorded(column) for column in COLUMNS if column.quantity in (*_QUANTITIES, *_ARM_QUANTITIES)),
     *(plotted for arm, name in enumerate(ARMS) for plotted in _derived(arm, name)),
 )
 TICK_PLACE, TIME_PLACE, PHASE_PLACE = (

@@ -13,13 +13,15 @@ from mcap.records import ChunkIndex
 
 from server.errors import StoredUnreadable
 from server.files import damaged_lines
-from server.library.folder import EVENTS_NAME, LOCK_NAME, LOG_NAME, read_events, read_remarks
+from server.library.folder import BEGINNING_NAME, EVENTS_NAME, LOCK_NAME, LOG_NAME, read_events, read_remarks
 from server.library.record import LoggedEvent, Remarks, RunRecord, TickArray, event_of_today
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
 from server.log.ticks import TICK_CHANNEL, TickLayout, layout_in
 from server.log.writer import nanoseconds
+from sim.capture.beginning import Beginning
 from sim.capture.replay import FlightHistory
+from sim.errors import ConfigError
 from sim.file_lock import is_locked
 
 SLACK = 1e-6
@@ -225,4 +227,19 @@ class RunReader:
         """
         events = read_events(self._folder, strict=True)
         done = tuple(event.intervention for event in events if event.intervention is not None)
-        return FlightHistory(config=self.record.config, interventions=done)
+        return FlightHistory(config=self.record.config, interventions=done, beginning=self.beginning())
+
+    def beginning(self) -> Beginning | None:
+        """Where the run began, if that was on the way; None of one that began as it was configured.
+
+        Raises:
+            StoredUnreadable: its file is damaged, or of another version.
+
+        """
+        path = self._folder / BEGINNING_NAME
+        if not path.exists():
+            return None
+        try:
+            return Beginning.read(path, self.record.config)
+        except (ConfigError, OSError) as error:
+            raise StoredUnreadable(str(error)) from None

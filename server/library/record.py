@@ -17,7 +17,7 @@ from sim.schema_history import PARAMETER_CHANGES, RECORD_CHANGES, VERSION, confi
 from sim.snapshot import FrozenMessage, Outcome
 from sim.stored import read_parameters, read_tree
 
-RunKind = Literal["live", "scripted", "study", "fork"]
+RunKind = Literal["live", "scripted", "study", "fork", "imported"]
 RunStatus = Literal["queued", "running", "finished", "failed", "cancelled"]
 Integrity = Literal["complete", "recovered"]
 TickArray = np.ndarray[Any, np.dtype[Any]]

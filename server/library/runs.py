@@ -18,6 +18,7 @@ from server.errors import StoredUnreadable
 from server.files import remove_folder
 from server.instants import wall_clock
 from server.library.folder import (
+    BEGINNING_NAME,
     CANCEL_NAME,
     LOCK_NAME,
     LOST_AT_MOST,
@@ -33,6 +34,7 @@ from server.library.record import Remarks, RunKind, RunRecord
 from server.library.upgrade import upgraded
 from server.library.writer import RunWriter
 from server.log.ticks import TICK_CHANNEL
+from sim.capture.beginning import Beginning
 from sim.config import MissionConfig
 from sim.errors import MissionRefused, RunNotFound
 from sim.file_lock import ProcessLock, is_locked
@@ -63,8 +65,9 @@ def new_record(kind: RunKind, configuration: str, config: MissionConfig, **furth
 class RunStore:
     """The runs under one folder. Safe from any thread and process."""
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
+    def __init__(self, root: Path, topic_rate: float | None = None) -> None:
+        """Under that folder; `topic_rate` is the most messages a second of each topic of a log beside its ticks."""
+        self.root, self.topic_rate = root, topic_rate
         self.remarks_lock = threading.RLock()
         """Held by who changes what people added, from reading to writing it."""
 
@@ -73,8 +76,8 @@ class RunStore:
         self.root.mkdir(parents=True, exist_ok=True)
         return self
 
-    def create(self, record: RunRecord) -> None:
-        """Make the folder of a run that waits for its writer.
+    def create(self, record: RunRecord, beginning: Beginning | None = None) -> None:
+        """Make the folder of a run that waits for its writer; one that begins on the way begins there.
 
         Raises:
             FileNotFoundError: the folder of all runs is gone.
@@ -83,6 +86,8 @@ class RunStore:
         folder = self.root / record.id
         folder.mkdir()
         try:
+            if beginning is not None:
+                beginning.write(folder / BEGINNING_NAME)
             write_record(folder, record)
         except BaseException:
             remove_folder(folder, RECORD_NAME)
@@ -98,7 +103,7 @@ class RunStore:
         """
         folder = self.root / record.id
         folder.mkdir(exist_ok=True)
-        return RunWriter(folder, record)
+        return RunWriter(folder, record, topic_rate=self.topic_rate)
 
     def read(self, run_id: str) -> RunReader:
         """A reader of this run.

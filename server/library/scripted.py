@@ -13,14 +13,19 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from server.errors import ServiceBusy
 from server.instants import wall_clock
+from server.library.background_writer import BackgroundWriter
 from server.library.record import LoggedEvent, RunRecord, RunStatus, TickArray
 from server.library.runs import RunStore
 from server.library.writer import RunWriter
+from server.process.realtime import shorten_switch_interval
+from sim.capture.beginning import Beginning
 from sim.capture.events import Event
-from sim.capture.run import run_capture
+from sim.capture.mission import Mission, prepare
+from sim.capture.run import ask, fly_to_verdict
 from sim.control.phases import Command
 from sim.errors import CaptureError, MissionRefused
 from sim.study.executors import LocalProcesses
@@ -41,27 +46,23 @@ class _Cancelled(Exception):
 def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None] | None = None) -> RunRecord:
     """Fly a queued run from its start to its verdict, recording every tick.
 
+    It waits for the thread that writes twice a simulated second, up to 5 ms in a process that has not shortened its
+    switch interval (`server.process.realtime`).
+
     Args:
         store: where the run stands.
         record: of the run.
-        on_progress: called with the mission time reached [s].
+        on_progress: called with the mission time [s] up to which everything is written: no killed process loses it.
 
     Returns:
         The run's record: finished, failed with a note, or cancelled.
 
     """
     writer = store.write(record.model_copy(update={"status": "running", "started": wall_clock()}))
-
-    def keep(ticks: TickArray) -> None:
-        writer.append(ticks)
-        writer.flush()
-        if writer.is_cancelled:
-            raise _Cancelled
-        if on_progress is not None:
-            on_progress(float(ticks["time"][-1]))
-
     try:
-        _fly_to_verdict(writer, keep)
+        with BackgroundWriter(writer, on_progress) as background:
+            last_words = _fly_to_verdict(writer, background, store.read(record.id).beginning())
+        writer.close(**last_words)
     except _Cancelled:
         writer.close(status="cancelled")
     except CaptureError as error:
@@ -75,29 +76,52 @@ def fly(store: RunStore, record: RunRecord, on_progress: Callable[[float], None]
     return writer.record
 
 
-def _fly_to_verdict(writer: RunWriter, keep: Callable[[TickArray], None]) -> None:
+def _fly_to_verdict(writer: RunWriter, background: BackgroundWriter, beginning: Beginning | None) -> dict[str, Any]:
+    """The changes of the run's record with which it is to be closed."""
     if writer.is_cancelled:
         raise _Cancelled
 
     def log(event: Event) -> None:
-        writer.log(LoggedEvent(**event.model_dump(), at=wall_clock()))
+        background.log(LoggedEvent(**event.model_dump(), at=wall_clock()))
 
-    command = Command.DIRECT_CAGE if writer.record.direct else Command.CAPTURE
-    writer.log(_granted(command))
-    result = run_capture(writer.record.config, direct=writer.record.direct, on_ticks=keep, on_event=log)
-    writer.close(status="finished", outcome=result.outcome, real_time_factor=result.real_time_factor)
+    def keep(ticks: TickArray) -> None:
+        background.keep(ticks)
+        if writer.is_cancelled:
+            raise _Cancelled
+
+    record = writer.record
+    prepare(record.config)  # else what is compiled counts as flown
+    mission, command = _begun(record, beginning)
+    if command is not None:
+        background.log(_granted(command, mission))
+    result = fly_to_verdict(mission, on_ticks=keep, on_event=log)
+    return {"status": "finished", "outcome": result.outcome, "real_time_factor": result.real_time_factor}
 
 
-def _granted(command: Command) -> LoggedEvent:
+def _begun(record: RunRecord, beginning: Beginning | None) -> tuple[Mission, Command | None]:
+    """The mission before its first tick, and what it was asked for; a future goes on as it was rehearsed."""
+    if beginning is None:
+        mission, command = Mission(record.config), Command.DIRECT_CAGE if record.direct else Command.CAPTURE
+        ask(mission, command)
+        return mission, command
+    mission = beginning.mission(record.config)
+    if beginning.request is not None:
+        mission.request(beginning.request)
+    return mission, beginning.request
+
+
+def _granted(command: Command, mission: Mission) -> LoggedEvent:
     """The command that a scripted run begins with."""
+    tick = mission.next_tick
     return LoggedEvent(
-        time=0.0, tick=0, kind="command", severity="info", message=f"{command.value} granted",
-        at=wall_clock(), who="script", command=command.value, accepted=True, takes_effect=0,
+        time=mission.time, tick=tick, kind="command", severity="info", message=f"{command.value} granted",
+        at=wall_clock(), who="script", command=command.value, accepted=True, takes_effect=tick,
     )  # fmt: skip
 
 
-def _fly_in_worker(root: Path, run_id: str) -> None:
-    store = RunStore(root)
+def _fly_in_worker(root: Path, topic_rate: float | None, run_id: str) -> None:
+    shorten_switch_interval()
+    store = RunStore(root, topic_rate)
     record = store.record(run_id)
     if record.status == "queued":
         fly(store, record)
@@ -129,12 +153,18 @@ class ScriptedRuns:
         for run_id in sorted(record.id for record in records if record.status == "queued"):
             self._submit(run_id)
 
-    def queue(self, records: Sequence[RunRecord], admit: Callable[[], None] = lambda: None) -> list[str]:
+    def queue(
+        self,
+        records: Sequence[RunRecord],
+        admit: Callable[[], None] = lambda: None,
+        beginning: Beginning | None = None,
+    ) -> list[str]:
         """Put runs at the end of the queue, all or none; those of an earlier request with their key, if it had one.
 
         Args:
             records: of one request.
             admit: raises what stands against new runs.
+            beginning: of all of them, if that is on the way.
 
         Returns:
             Their identifiers, in the order of the request.
@@ -153,15 +183,15 @@ class ScriptedRuns:
             if len(self._waiting) + len(records) > CAPACITY:
                 message = f"{len(self._waiting)} runs wait already, and no more than {CAPACITY} may"
                 raise ServiceBusy(message, tip="wait until some have finished, or cancel some")
-            self._create(records)
+            self._create(records, beginning)
             for record in records:
                 self._submit(record.id)
         return [record.id for record in records]
 
-    def _create(self, records: Sequence[RunRecord]) -> None:
+    def _create(self, records: Sequence[RunRecord], beginning: Beginning | None) -> None:
         try:
             for record in records:
-                self._store.create(record)
+                self._store.create(record, beginning)
         except OSError:
             for record in records:
                 with suppress(OSError):
@@ -212,7 +242,7 @@ class ScriptedRuns:
                 return
             run_id = self._flying = self._waiting.popleft()
             self._idle.clear()
-            future = self._running_pool().submit(_fly_in_worker, self._store.root, run_id)
+            future = self._running_pool().submit(_fly_in_worker, self._store.root, self._store.topic_rate, run_id)
         future.add_done_callback(lambda done: self._flown(run_id, done))
 
     def _running_pool(self) -> LocalProcesses:

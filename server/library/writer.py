@@ -56,14 +56,22 @@ def _require_there(path: Path, descriptor: int) -> None:
 class RunWriter:
     """Appends to one run; locks its folder until it is closed."""
 
-    def __init__(self, folder: Path, record: RunRecord, schema: Schema | None = None) -> None:
+    def __init__(
+        self, folder: Path, record: RunRecord, schema: Schema | None = None, topic_rate: float | None = None
+    ) -> None:
         """Open a run that has begun or waits to; its ticks are kept in that schema, if not in today's.
+
+        Args:
+            folder: of the run.
+            record: of the run.
+            schema: of its ticks, if not today's.
+            topic_rate: as of `LogWriter`.
 
         Raises:
             BlockingIOError: another process is writing it.
 
         """
-        self._folder, self._schema = folder, schema
+        self._folder, self._schema, self._topic_rate = folder, schema, topic_rate
         self._lock = ProcessLock(folder / LOCK_NAME)
         self._events: BinaryIO = (folder / EVENTS_NAME).open("ab")
         self._sink: _WholeWrites | None = None
@@ -88,7 +96,8 @@ class RunWriter:
     def _open_log(self) -> LogWriter:
         if self._log is None:
             self._sink = _WholeWrites(self._folder / LOG_NAME)
-            self._log = LogWriter(self._sink, self.record.started, self.record.config, self._schema)
+            config = self.record.config
+            self._log = LogWriter(self._sink, self.record.started, config, self._schema, self._topic_rate)
             self._log.describe(self.record, self.record.config)
         return self._log
 

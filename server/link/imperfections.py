@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections import deque
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -11,7 +12,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.link.contract import ARMS, HAND_FRAMES, WORLD
 from server.link.wire import JointSample, PlaneSample
 from sim.compiled import FloatArray
-from sim.record import Record
+from sim.config import ImperfectionsConfig, NoiseConfig
+from sim.perception.imperfections import add_imperfections, is_missed, misplacement
+from sim.perception.perceived import PERCEIVED
+from sim.perception.sensing import add_noise
+from sim.record import Record, record_of
 
 TARE_SAMPLES = 40
 """Readings of a wrist sensor that a taring averages: a fifth of a second."""
@@ -44,42 +49,63 @@ class Imperfections(BaseModel):
     tilt_y: float = _number(-2e-6, "Tilt of the table along y [rad]", ge=-0.1, le=0.1)
 
 
+Body = Literal["base", "target"]
+BODIES: tuple[Body, ...] = ("base", "target")
+_READ = ("base_pose", "base_twist", "target_pose", "target_twist", "joint_angle", "hand_wrench")
+"""The fields of the true state that sensors measure."""
+
+
 class Sensors:
-    """All sensors of the emulated testbed."""
+    """All sensors of the emulated testbed; they measure with the code of the simulation (`sim.perception`)."""
 
     def __init__(self, imperfections: Imperfections, seed: int) -> None:
         self.tared = False
-        self._of = imperfections
-        self._random = np.random.default_rng(seed)
-        spread = np.array([imperfections.force_bias, imperfections.force_bias, imperfections.torque_bias])
-        self._bias = self._random.normal(0.0, 1.0, (2, 3)) * spread
-        self._zero = np.zeros((2, 3))
+        self._of = some = imperfections
+        self._seed = seed
+        self._noise = record_of(
+            NoiseConfig(
+                position=some.position_noise,
+                angle=some.angle_noise,
+                velocity=some.velocity_noise,
+                spin=some.spin_noise,
+                force=some.force_noise,
+                torque=some.torque_noise,
+            )
+        )
+        wrong = {name: getattr(some, name) for name in ImperfectionsConfig.model_fields}
+        self._imperfections = record_of(ImperfectionsConfig(**wrong))
+        self._reading: Record = np.zeros(1, PERCEIVED)[0]
+        self._raw, self._zero = np.zeros((2, 3)), np.zeros((2, 3))
         self._encoded: JointSample | None = None
-        self._readings: list[FloatArray] = []
+        self._readings: deque[FloatArray] = deque(maxlen=TARE_SAMPLES)
 
-    def joints(self, stamp: int, state: Record) -> JointSample:
-        """Encoder angles, and rates as their differences since the last reading; zero at the first."""
-        step = self._of.encoder_resolution
-        angle = np.round(state["joint_angle"] / step) * step if step else state["joint_angle"].copy()
-        before = self._encoded
+    def sense(self, state: Record, hand_angle: FloatArray) -> None:
+        """Measure once; the others tell what came of it.
+
+        Args:
+            state: the true one, one element of `PLANT_STATE`.
+            hand_angle: of both hands in the world [rad], shape (2,).
+
+        """
+        reading = self._reading
+        reading["tick"] += 1
+        for name in _READ:
+            reading[name] = state[name]
+        add_noise(self._noise, self._seed, reading)
+        add_imperfections(self._imperfections, self._seed, hand_angle, reading)
+        self._raw = np.array([_in_hand(reading["hand_wrench"][arm], hand_angle[arm]) for arm in range(2)])
+        self._readings.append(self._raw)
+
+    def joints(self, stamp: int) -> JointSample:
+        """Encoder angles, and rates as their differences since the last time; zero at the first."""
+        angle, before = self._reading["joint_angle"].copy(), self._encoded
         rate = np.zeros((2, 3)) if before is None else (angle - before.angle) / (1e-9 * (stamp - before.stamp))
         self._encoded = JointSample(stamp, angle, rate)
         return self._encoded
 
-    def wrenches(self, stamp: int, state: Record, hand_angle: FloatArray) -> list[PlaneSample]:
-        """Target on hand about the hand's centre, in each hand's axes, with noise and bias, less the taring.
-
-        Args:
-            stamp: of the readings [ns].
-            state: one element of `PLANT_STATE`.
-            hand_angle: of both hands in the world [rad], shape (2,).
-
-        """
-        spread = np.array([self._of.force_noise, self._of.force_noise, self._of.torque_noise])
-        noise = self._random.normal(0.0, 1.0, (2, 3)) * spread
-        raw = np.array([_in_hand(state["hand_wrench"][arm], hand_angle[arm]) for arm in range(2)]) + self._bias + noise
-        self._readings = [*self._readings[1 - TARE_SAMPLES :], raw]
-        return [PlaneSample(stamp, HAND_FRAMES[arm], raw[arm] - self._zero[arm]) for arm in range(len(ARMS))]
+    def wrenches(self, stamp: int) -> list[PlaneSample]:
+        """Target on hand about the hand's centre, in each hand's axes, less the taring."""
+        return [PlaneSample(stamp, HAND_FRAMES[arm], self._raw[arm] - self._zero[arm]) for arm in range(len(ARMS))]
 
     def tare(self) -> None:
         """What the wrists read now is zero from here on."""
@@ -87,21 +113,18 @@ class Sensors:
             self._zero = np.mean(self._readings, axis=0)
             self.tared = True
 
-    def pose(self, stamp: int, pose: FloatArray) -> PlaneSample | None:
+    def pose(self, stamp: int, body: Body) -> PlaneSample | None:
         """A body as motion capture sees it, or None if it does not."""
-        if self._random.random() < self._of.dropouts:
+        tick, place = int(self._reading["tick"]), BODIES.index(body)
+        if is_missed(self._of.dropouts, self._seed, tick, place):
             return None
-        spread = np.array([self._of.position_noise, self._of.position_noise, self._of.angle_noise])
-        seen = pose + self._random.normal(0.0, 1.0, 3) * spread
-        if self._random.random() < self._of.outliers:
-            way = self._random.uniform(-math.pi, math.pi)
-            seen[:2] += self._of.outlier_distance * np.array([math.cos(way), math.sin(way)])
+        seen = self._reading[f"{body}_pose"].copy()
+        seen[:2] += misplacement(self._imperfections, self._seed, tick, place)
         return PlaneSample(stamp, WORLD, seen)
 
-    def twist(self, stamp: int, twist: FloatArray) -> PlaneSample:
+    def twist(self, stamp: int, body: Body) -> PlaneSample:
         """A body's velocity as motion capture measures it."""
-        spread = np.array([self._of.velocity_noise, self._of.velocity_noise, self._of.spin_noise])
-        return PlaneSample(stamp, WORLD, twist + self._random.normal(0.0, 1.0, 3) * spread)
+        return PlaneSample(stamp, WORLD, self._reading[f"{body}_twist"].copy())
 
 
 def _in_hand(wrench: FloatArray, angle: float) -> FloatArray:

@@ -15,17 +15,19 @@ from sim.compiled import FloatArray
 from sim.config import FilterConfig, MissionConfig
 from sim.control.hand_motion import generalized_velocity
 from sim.model.generalized_jacobian import free_flying_model, momentum
+from sim.model.reduced_model import SHAPE, set_shape_at
 from sim.model.robot import Chain, chain, robot_model
 from sim.perception.contact import is_touching, touching_tip
 from sim.perception.estimators import (
-    BASE_DRIFT,
     BODY_ESTIMATE,
+    DRIFT,
     ENOUGH,
     NO_STAMP,
     body_at,
-    drift_until,
     forget_body,
     forget_drift,
+    push_expected,
+    set_way,
     take_joints,
     take_picture,
 )
@@ -64,7 +66,9 @@ class BodyEstimate:
 
     def take(self, sample: PlaneSample, *, touched: bool) -> str:
         """Take a pose, unless it is an outlier; why it is one, empty if it is none."""
-        outlier, way, turn = take_picture(self._estimate, self._expected, sample.stamp, sample.value, touched)
+        push = np.empty(3)
+        push_expected(self._expected, touched, push)
+        outlier, way, turn = take_picture(self._estimate, self._expected, sample.stamp, sample.value, push, np.zeros(3))
         return f"an outlier: {1e3 * way:.0f} mm and {turn:.3f} rad from where the body can be" if outlier else ""
 
     def at(self, stamp: int) -> tuple[FloatArray, FloatArray]:
@@ -77,20 +81,33 @@ class BodyEstimate:
 class Perception:
     """The plant's state as the controller sees it. One thread at a time."""
 
-    def __init__(self, config: MissionConfig, contact_threshold: float) -> None:
-        """For a robot and target of that configuration; contact above the threshold [N]."""
-        self.contact_threshold = contact_threshold
+    def __init__(self, config: MissionConfig) -> None:
+        """For a robot and target of that configuration."""
+        self.configure(config)
+        self.reset()
+
+    def configure(self, config: MissionConfig) -> None:
+        """Perceive by that configuration from now on; its filter, which is not live, from the next reset on."""
+        self.contact_threshold = config.perception.contact_threshold
+        """Wrist force that counts as contact [N]."""
         self._expected = config.perception.filter
         self._robot = robot_model(config.robot)
         self._target_mass, self._target_inertia = config.target.mass, config.target.inertia
-        self.reset()
+
+    def begin(self, config: MissionConfig) -> None:
+        """Perceive by that configuration for a new mission; what another filter has made of pictures is forgotten."""
+        before = self._expected
+        self.configure(config)
+        if self._expected != before:
+            self.reset()
 
     def reset(self) -> None:
         """Forget all that was seen."""
         self.base, self.target = BodyEstimate(self._expected), BodyEstimate(self._expected)
         """The base's is that of its motion without the arms' part."""
-        self._drift: Record = np.zeros(1, BASE_DRIFT)[0]
+        self._drift: Record = np.zeros(1, DRIFT)[0]
         forget_drift(self._drift)
+        self._shape: Record = np.zeros(1, SHAPE)[0]
         self._wrench = np.zeros((2, 3))
         self._touching = [False, False]
         self._last_contact = -(10**18)
@@ -111,12 +128,14 @@ class Perception:
     def take_joints(self, joints: JointSample) -> None:
         """Take a joint state, for the arms' part in the base's motion."""
         if self.base.taken:
-            pose = self._base_pose(joints.stamp)
-            take_joints(self._drift, self._robot, joints.stamp, pose, joints.angle, joints.rate)
+            angle = float(self._base_pose(joints.stamp)[2])
+            rigid = np.zeros(2)  # no sensor measures how far a hand gives way on its mount
+            set_shape_at(self._robot, joints.angle, rigid, self._shape)
+            take_joints(self._drift, self._shape, joints.stamp, angle, joints.rate, rigid, np.zeros(3))
 
     def take_base(self, sample: PlaneSample) -> str:
         """Take a pose of the base, unless it is an outlier; why it is one."""
-        rest = sample._replace(value=sample.value - drift_until(self._drift, sample.stamp))
+        rest = sample._replace(value=sample.value - self._way(sample.stamp))
         return self.base.take(rest, touched=self._touched(sample))
 
     def take_target(self, sample: PlaneSample) -> str:
@@ -135,7 +154,12 @@ class Perception:
         self._write_momentum(links, state)
 
     def _base_pose(self, stamp: int) -> FloatArray:
-        return self.base.at(stamp)[0] + drift_until(self._drift, stamp)
+        return self.base.at(stamp)[0] + self._way(stamp)
+
+    def _way(self, stamp: int) -> FloatArray:
+        """Of the base by its arms, until that instant [ns]."""
+        set_way(self._drift, stamp)
+        return np.array(self._drift["way_until"])
 
     def _touched(self, sample: PlaneSample) -> bool:
         """Whether a contact may show in this picture."""

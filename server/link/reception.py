@@ -313,7 +313,9 @@ class Reception:
         """Of a channel of which nothing was believed for so long [s]; None: ever."""
         refusals = self.refusals[channel.key]
         refused = refusals.age(now)
-        if refused is not None and refused <= STEADY_SPAN:
+        # Only what was refused since explains the silence: an outlier, or another robot, before the last that was
+        # believed does not.
+        if refused is not None and refused < (STEADY_SPAN if age is None else min(age, STEADY_SPAN)):
             return Trouble(Cause.READING_REFUSED, f"{name_of(channel)} refused: {refusals.reason}")
         if age is None:
             return Trouble(Cause.STREAM_LATE, f"{name_of(channel)}: none has come yet")

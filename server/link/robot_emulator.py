@@ -23,7 +23,7 @@ from server.link.clock import Clock
 from server.link.contract import JOINT_NAMES, Channel, RobotMode
 from server.link.faults import Faults, Outbox, Sensor
 from server.link.gate import Gate, Limits, Permission
-from server.link.imperfections import Imperfections, Sensors
+from server.link.imperfections import Body, Imperfections, Sensors
 from server.link.session import LinkSession, Transport
 from server.process.realtime import realtime_priority
 from sim.compiled import FloatArray
@@ -334,25 +334,24 @@ class _Robot:
     def _measure(self, stamp: int) -> None:
         state, sensors, send = self._plant.state, self._sensors, self.outbox.send
         links = chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        wrenches = sensors.wrenches(stamp, state, links.hand_pose[:, 2])
-        for arm, wrench in enumerate(wrenches):
+        sensors.sense(state, links.hand_pose[:, 2])
+        for arm, wrench in enumerate(sensors.wrenches(stamp)):
             seen = self._or_frozen("left_wrist" if arm == 0 else "right_wrist", wrench)
             send(contract.WRENCHES[arm], wire.encode_wrench(seen._replace(stamp=stamp)))
         if self._cycle % self._capture_every == 0:
             self._see_bodies(stamp)
         # Last: whoever takes a joint state has the wrenches of the same instant already.
-        joints = self._or_frozen("joints", sensors.joints(stamp, state))
+        joints = self._or_frozen("joints", sensors.joints(stamp))
         send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp, robot=self._identity)))
 
     def _see_bodies(self, stamp: int) -> None:
-        state, sensors = self._plant.state, self._sensors
-        bodies: tuple[tuple[Sensor, Channel, Channel], ...] = (
+        sensors = self._sensors
+        bodies: tuple[tuple[Body, Channel, Channel], ...] = (
             ("base", contract.BASE_POSE, contract.BASE_TWIST),
             ("target", contract.TARGET_POSE, contract.TARGET_TWIST),
         )
         for body, pose_channel, twist_channel in bodies:
-            pose = sensors.pose(stamp, state[f"{body}_pose"])
-            twist = sensors.twist(stamp, state[f"{body}_twist"])
+            pose, twist = sensors.pose(stamp, body), sensors.twist(stamp, body)
             if pose is None:
                 continue
             pose, twist = self._or_frozen(body, (pose, twist))

@@ -52,7 +52,6 @@ class LinkSettings(BaseModel):
 
     transport: Transport
     deadline: float = Field(contract.DEADLINE, ge=0.02, le=10, description="Age at which a needed stream is late [s]")
-    contact_threshold: float = Field(0.12, gt=0, le=100, description="Wrist force that counts as contact [N]")
     detect_freeze: bool = Field(True, description="Whether a sensor that repeats itself for a deadline is frozen")
     robot: str | None = Field(None, description="Name of the robot that is flown; none: the first that is heard")
     world_frame: str = Field(WORLD, description="Name of the frame of poses and twists")
@@ -89,7 +88,7 @@ class RobotLink:
         self.session = ""
         self.stop_sent: Stop | None = None
         self.stop_acknowledged_after: float | None = None
-        perception = Perception(config, settings.contact_threshold)
+        perception = Perception(config)
         self.identity = Identity(settings.robot)
         self.reception = Reception(
             self.console, _expected(settings), self.identity, perception, self.clock, lambda: self.settings.deadline
@@ -115,7 +114,7 @@ class RobotLink:
         plant = simulated_plant(config)
         state = plant.state
         joints = JointSample(0, state["joint_angle"], state["joint_rate"])
-        perception = Perception(config, 1.0)
+        perception = Perception(config)
         for stamp in (0, 1):
             perception.take_wrench(0, PlaneSample(stamp, HAND_FRAMES[0], np.zeros(3)))
             perception.take_base(PlaneSample(stamp, WORLD, state["base_pose"].copy()))
@@ -125,6 +124,7 @@ class RobotLink:
         mission = Mission(config, ScriptedPlant(np.array([plant.state, plant.state])))
         mission.request(Command.DIRECT_CAGE)
         mission.advance(2)
+        mission.cage()
 
     @realtime_priority()
     def start(self) -> None:
@@ -155,8 +155,10 @@ class RobotLink:
         """Since the robot's joints were last heard of [s]; None before the first time."""
         return self.streams[contract.JOINT_STATES.key].age(time.monotonic() if now is None else now)
 
-    def open_session(self) -> str:
-        """Take the robot for a new session, and reset what is perceived.
+    def open_session(self, config: MissionConfig) -> str:
+        """Take the robot for a new session, which perceives by that configuration.
+
+        If that is refused, whatever flies goes on to perceive as it did.
 
         Raises:
             MissionRefused: the robot is not heard, speaks another contract, or somebody else holds it.
@@ -171,6 +173,7 @@ class RobotLink:
         with self._change:
             self.session = session
             self.reports.granted(answer.stamp)
+            self.reception.perception.begin(config)
         return session
 
     def tare(self) -> Answer:
@@ -214,6 +217,16 @@ class RobotLink:
             self._change.wait_for(lambda: heard.joints is not None and heard.joints.stamp > after, timeout)
             joints = heard.joints
         return joints if joints is not None and joints.stamp > after else None
+
+    @property
+    def contact_threshold(self) -> float:
+        """Wrist force that counts as contact [N]."""
+        return self.reception.perception.contact_threshold
+
+    def configure(self, config: MissionConfig) -> None:
+        """Perceive by that configuration from now on."""
+        with self._change:
+            self.reception.perception.configure(config)
 
     def reset_perception(self) -> None:
         """Forget what was perceived: it was with wrists that had not been tared."""

@@ -156,7 +156,7 @@ def status_of(link: RobotLink) -> LinkStatus:
         endpoints=(*settings.transport.connect, *settings.transport.listen),
         contract=contract.VERSION,
         deadline=settings.deadline,
-        contact_threshold=settings.contact_threshold,
+        contact_threshold=link.contact_threshold,
         session=link.session,
         holder=holder,
         held=bool(holder) and holder == link.session and robot is not None and robot.mode == "following",

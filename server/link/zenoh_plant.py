@@ -37,6 +37,14 @@ BEGIN_TIME = 10.0
 LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
 
+_OF_SIMULATED_SENSORS = (
+    "perception.source",
+    "perception.estimator",
+    "perception.noise.",
+    "perception.imperfections.",
+)
+"""What begins so is for the simulation: a robot's link has filters of its own."""
+
 
 def require_robot_config(config: MissionConfig) -> None:
     """Refuse what no robot can be flown with: another control period than the link's, or simulated sensors.
@@ -52,7 +60,7 @@ def require_robot_config(config: MissionConfig) -> None:
             tip=f"the configuration testbed has it, or set control.period={period:g}",
         )
     for path, (usual, given) in differences(MissionConfig(), config).items():
-        if path == "perception.source" or path.startswith("perception.noise."):
+        if path.startswith(_OF_SIMULATED_SENSORS):
             raise ConfigError(
                 f"{path} = {given}: a robot has sensors of its own, and what they give is perceived already",
                 tip=f"set {path}={usual}: it is for the simulation",
@@ -80,11 +88,11 @@ class ZenohPlant:
         self._lag = np.zeros((2, 3))
         self._recent_rates: deque[FloatArray] = deque(maxlen=RATES_UNDER_WAY)
         self._stopped = False
-        link.open_session()
+        link.open_session(config)
         self._first: int | None = None
         self._last = 0
         self._angle = np.zeros((2, 3))
-        joints = self._hold_still(lambda: link.reports.of_session is not None, "it granted a session")
+        joints = self._hold_still(self._is_seen, "it granted a session")
         if self._tare_if_needed():
             link.reset_perception()
             joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
@@ -93,6 +101,14 @@ class ZenohPlant:
         self._begun = threading.Event()
         self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
         self._holder.start()
+
+    def configure(self, config: MissionConfig) -> None:
+        """Perceive by that configuration from now on; that a robot can be flown with it is for the asker to see."""
+        self._link.configure(config)
+
+    def _is_seen(self) -> bool:
+        """Whether the robot has reported this session, and both bodies are perceived by its configuration."""
+        return self._link.reports.of_session is not None and self._link.perceives
 
     @property
     def state(self) -> Record:

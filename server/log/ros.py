@@ -8,7 +8,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.records import Schema
@@ -27,6 +27,7 @@ def store() -> Any:
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
+@cache
 def ros_schema(name: str) -> Schema:
     """The MCAP schema of a ROS 2 message type."""
     text, _ = store().generate_msgdef(name, ros_version=2)
@@ -55,28 +56,52 @@ class Template:
         """A template of `made`, which builds the message of that many numbers."""
         planted = [_PLANTED * (1.0 + i / 4096) for i in range(numbers)]
         content = serialized(made(planted), name)
-        places = [content.index(struct.pack("<d", number)) for number in planted]
         stamp = struct.pack("<iI", _PLANTED_SECONDS, _PLANTED_NANOSECONDS)
         stamps = [place for place in range(len(content)) if content.startswith(stamp, place)]
-        names = [f"number_{i}" for i in range(numbers)], [f"stamp_{i}" for i in range(len(stamps))]
-        self._names = names
-        self._content = np.frombuffer(content, np.uint8)
+        self._runs = _runs([content.index(struct.pack("<d", number)) for number in planted])
+        self._stamps = [f"stamp_{i}" for i in range(len(stamps))]
+        self.blank: Bytes = np.array(content, f"V{len(content)}")
+        """The payload that is to be filled, shape ()."""
         self._dtype = np.dtype(
             {
-                "names": [*names[0], *names[1]],
-                "formats": ["<f8"] * numbers + ["<u8"] * len(stamps),
-                "offsets": [*places, *stamps],
+                "names": [*(run.name for run in self._runs), *self._stamps],
+                "formats": [*(f"({run.length},)<f8" for run in self._runs), *["<u8"] * len(stamps)],
+                "offsets": [*(run.place for run in self._runs), *stamps],
                 "itemsize": len(content),
             }
         )
 
-    def filled(self, log_times: Bytes, numbers: Bytes) -> Bytes:
-        """A payload for each row of numbers, shape (messages, numbers), at these times [ns]."""
-        raw = np.tile(self._content, (len(numbers), 1))
-        rows = raw.view(self._dtype)[:, 0] if len(raw) else np.empty(0, self._dtype)
-        for i, name in enumerate(self._names[0]):
-            rows[name] = numbers[:, i]
+    def fill(self, payloads: Bytes, log_times: Bytes, numbers: Bytes) -> None:
+        """Fill blanks, shape (messages,), with their times [ns] and rows of numbers, shape (messages, numbers)."""
+        rows = payloads.view(self._dtype)
+        for run in self._runs:
+            rows[run.name] = numbers[:, run.first : run.first + run.length]
         stamps = log_times // _NANOSECONDS | log_times % _NANOSECONDS << np.uint64(32)
-        for name in self._names[1]:
+        for name in self._stamps:
             rows[name] = stamps
-        return raw.view(f"V{len(self._content)}")[:, 0]
+
+
+class _Run(NamedTuple):
+    """Numbers of a template that follow one another in the bytes."""
+
+    first: int
+    """Which number it begins with."""
+    length: int
+    place: int
+    """Of its first byte."""
+
+    @property
+    def name(self) -> str:
+        return f"numbers_{self.first}"
+
+
+def _runs(places: Sequence[int]) -> list[_Run]:
+    """The runs of numbers at these places; each number has eight bytes."""
+    runs: list[_Run] = []
+    for number, place in enumerate(places):
+        last = runs[-1] if runs else None
+        if last is not None and place == last.place + 8 * last.length:
+            runs[-1] = last._replace(length=last.length + 1)
+        else:
+            runs.append(_Run(number, 1, place))
+    return runs

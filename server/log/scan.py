@@ -8,6 +8,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -32,6 +33,8 @@ _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _INDEX_HEAD = struct.Struct("<HI")
 _MESSAGE_HEAD = message_dtype(np.dtype("V1")).itemsize - 1 - _RECORD_HEAD.size
+_ALIKE = _RECORD_HEAD.size + 2
+"""Bytes by which a message is known as of one length and channel with another."""
 _FOOTER_SIZE = _RECORD_HEAD.size + 20 + len(MAGIC)
 _LARGEST_RECORD = 2**31
 
@@ -79,24 +82,43 @@ def chunk_data(file: BinaryIO, index: ChunkIndex) -> bytes:
 def payloads(data: bytes, channel: int) -> Bytes:
     """The payloads of a channel's messages within a chunk, as long as the first of them; others are left out."""
     found: list[Bytes] = []
-    layout: np.dtype[Any] | None = None
     place = 0
     while place + _RECORD_HEAD.size <= len(data):
         opcode, length = _RECORD_HEAD.unpack_from(data, place)
-        end = place + _RECORD_HEAD.size + length
-        if opcode != Opcode.MESSAGE or int.from_bytes(data[place + 9 : place + 11], "little") != channel:
-            place = end
+        if opcode != Opcode.MESSAGE or length < _MESSAGE_HEAD:
+            place += _RECORD_HEAD.size + length
             continue
-        layout = layout or message_dtype(np.dtype(f"V{max(0, length - _MESSAGE_HEAD)}"))
-        if end - place != layout.itemsize:
-            place = end
-            continue
-        records = np.frombuffer(data, layout, (len(data) - place) // layout.itemsize, place)
-        alike = (records["opcode"] == opcode) & (records["length"] == length) & (records["channel"] == channel)
-        count = len(records) if alike.all() else int(np.argmin(alike))
-        found.append(records["data"][:count])
-        place += count * layout.itemsize
+        records = _run(data, place, _message_dtype(length - _MESSAGE_HEAD))
+        if len(records) == 0:  # cut off
+            break
+        place += records.nbytes
+        if records["channel"][0] == channel and (not found or found[0].dtype == records["data"].dtype):
+            found.append(records["data"])
+    if len(found) == 1:
+        return found[0]
     return np.concatenate(found) if found else np.empty(0, "V1")
+
+
+@cache
+def _message_dtype(size: int) -> np.dtype[Any]:
+    """Of a message whose payload has so many bytes."""
+    return message_dtype(np.dtype(f"V{size}"))
+
+
+def _run(data: bytes, place: int, layout: np.dtype[Any]) -> Bytes:
+    """The message at that place, and those of the same channel and length that follow it without another between."""
+    head, size = data[place : place + _ALIKE], layout.itemsize
+    most, count, window = (len(data) - place) // size, 1, 8
+    # Logs of 0.1.0 have one message of each channel by turns: those must not pay for looking at many.
+    while count < most and data.startswith(head, place + count * size):
+        following = np.frombuffer(data, layout, min(window, most - count), place + count * size)
+        alike = (following["length"] == layout.itemsize - _RECORD_HEAD.size) & (following["opcode"] == Opcode.MESSAGE)
+        alike &= following["channel"] == int.from_bytes(head[_RECORD_HEAD.size :], "little")
+        if not alike.all():
+            count += int(np.argmin(alike))
+            break
+        count, window = count + len(following), 8 * window
+    return np.frombuffer(data, layout, min(count, most), place)
 
 
 def _unpacked(chunk: bytes) -> bytes:

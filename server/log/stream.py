@@ -10,6 +10,7 @@ import struct
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -37,6 +38,9 @@ from server.versions import becalm_version
 
 MAGIC = b"\x89MCAP0\r\n"
 COMPRESSION = "zstd"
+DRAFT_BYTES = 2**20
+"""Memory that a chunk is drafted in at first; it grows with the longest. Fresh memory for each would cost as much."""
+
 COMPRESSION_LEVEL = 1
 """Higher levels save a tenth of the size for twice the time."""
 
@@ -53,6 +57,7 @@ class ByteSink(Protocol):
         """Take them all, or raise."""
 
 
+@cache
 def message_dtype(payload: np.dtype[Any]) -> np.dtype[Any]:
     """The layout of a message record whose payload is always of that type."""
     return np.dtype(
@@ -66,17 +71,6 @@ def message_dtype(payload: np.dtype[Any]) -> np.dtype[Any]:
             ("data", payload),
         ]
     )
-
-
-def messages(channel: int, sequences: Bytes, log_times: Bytes, payloads: Bytes) -> Bytes:
-    """Message records of one channel, one a payload."""
-    records = np.empty(len(payloads), message_dtype(payloads.dtype))
-    records["opcode"] = Opcode.MESSAGE
-    records["length"] = records.dtype.itemsize - 9
-    records["channel"], records["sequence"] = channel, sequences
-    records["log_time"] = records["publish_time"] = log_times
-    records["data"] = payloads
-    return records
 
 
 def encoded(*records: McapRecord) -> bytes:
@@ -173,16 +167,13 @@ class McapStream:
     def __init__(self, sink: ByteSink) -> None:
         self._sink = sink
         self._compressor = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL)
-        self._draft = bytearray()
+        self._draft = np.empty(DRAFT_BYTES, np.uint8)
         self._placed: list[_Placed] = []
+        self.pending = 0
+        """Bytes of messages that wait for their chunk to be closed."""
         self.position = 0
         self.contents = Contents()
         self._write(MAGIC + encoded(Header(profile="ros2", library=f"becalm {becalm_version()}")))
-
-    @property
-    def pending(self) -> int:
-        """Bytes of messages that wait for their chunk to be closed."""
-        return len(self._draft)
 
     def channel(self, topic: str, message_encoding: str, schema: Schema, metadata: Mapping[str, str]) -> int:
         """Open a channel; its number. The schema's own number is given here."""
@@ -200,27 +191,55 @@ class McapStream:
         self._write(encoded(channel))
         return number
 
-    def add(self, records: Bytes) -> None:
-        """Put message records of one channel, an array of `message_dtype`, into the chunk under way."""
-        if not len(records):
-            return
-        entries = np.empty(len(records), INDEX_ENTRY)
-        entries["log_time"] = records["log_time"]
-        entries["offset"] = len(self._draft) + records.dtype.itemsize * np.arange(len(records))
-        self._placed.append(_Placed(int(records["channel"][0]), entries))
-        self._draft += records.tobytes()
+    def add(self, channel: int, sequences: Bytes, log_times: Bytes, payloads: Bytes) -> Bytes:
+        """Put messages of one channel into the chunk under way.
+
+        Args:
+            channel: its number.
+            sequences: numbers of the messages, shape (messages,).
+            log_times: shape (messages,) [ns].
+            payloads: of one void type, which is copied byte by byte; shape (messages,), or () for one of all.
+
+        Returns:
+            The payloads as they stand in the chunk, shape (messages,); what is changed in them until the next call
+            will be written.
+
+        """
+        records = self._drafted(len(log_times), message_dtype(payloads.dtype))
+        records["opcode"] = Opcode.MESSAGE
+        records["length"] = records.dtype.itemsize - 9
+        records["channel"], records["sequence"] = channel, sequences
+        records["log_time"] = records["publish_time"] = log_times
+        data: Bytes = records["data"]
+        data[:] = payloads
+        if len(records):
+            entries = np.empty(len(records), INDEX_ENTRY)
+            entries["log_time"] = log_times
+            entries["offset"] = self.pending + records.dtype.itemsize * np.arange(len(records))
+            self._placed.append(_Placed(channel, entries))
+            self.pending += records.nbytes
+        return data
+
+    def _drafted(self, count: int, layout: np.dtype[Any]) -> Bytes:
+        """Room for so many records after those that wait."""
+        end = self.pending + count * layout.itemsize
+        if end > len(self._draft):
+            longer = np.empty(max(end, 2 * len(self._draft)), np.uint8)
+            longer[: self.pending] = self._draft[: self.pending]
+            self._draft = longer
+        return self._draft[self.pending : end].view(layout)
 
     def add_one(self, channel: int, log_time: int, content: bytes) -> None:
         """Put a single message into the chunk under way."""
         payload = np.array([content], f"V{len(content)}")
-        self.add(messages(channel, np.zeros(1, np.uint32), np.array([log_time], np.uint64), payload))
+        self.add(channel, np.zeros(1, np.uint32), np.array([log_time], np.uint64), payload)
 
     def close_chunk(self) -> None:
         """Write what waits as a chunk with its indexes, if anything does."""
-        if not self._draft:
+        if not self.pending:
             return
-        data, placed = bytes(self._draft), self._placed
-        self._draft, self._placed = bytearray(), []
+        data, placed = self._draft[: self.pending].data, self._placed
+        self._placed, self.pending = [], 0
         by_channel = {
             number: np.concatenate([each.entries for each in placed if each.channel == number])
             for number in dict.fromkeys(each.channel for each in placed)

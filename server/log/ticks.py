@@ -23,8 +23,8 @@ from sim.schema_history import TICK_CHANGES, former_names
 TICK_CHANNEL = 1
 """Channel of the ticks in every log."""
 
-CDR_TICK = np.dtype([("head", "V4"), ("tick", TICK.newbyteorder("<"))])
-"""Payload of one of today's ticks: the encapsulation header of little-endian CDR, then the tick."""
+CDR_TICK = np.dtype([("head", "V4"), ("tick", f"V{TICK.itemsize}")])
+"""Payload of one of today's ticks: the encapsulation header of little-endian CDR, then the bytes of the tick."""
 _CDR_HEAD = np.frombuffer(b"\x00\x01\x00\x00", "V4")[0]
 
 _ROS_TYPES = {
@@ -69,10 +69,11 @@ def tick_schema() -> Schema:
 
 
 def tick_payloads(ticks: Bytes) -> Bytes:
-    """Rows of `TICK` as the payloads of their messages."""
+    """Rows of `TICK` as the payloads of their messages, of a void type."""
+    kept = np.ascontiguousarray(ticks, TICK.newbyteorder("<"))
     payloads = np.empty(len(ticks), CDR_TICK)
-    payloads["head"], payloads["tick"] = _CDR_HEAD, ticks
-    return payloads
+    payloads["head"], payloads["tick"] = _CDR_HEAD, kept.view(CDR_TICK["tick"])
+    return payloads.view(f"V{CDR_TICK.itemsize}")
 
 
 class TickLayout:
@@ -109,8 +110,8 @@ class TickLayout:
         if not len(payloads):
             return np.zeros(0, TICK)
         if self._is_todays and payloads.dtype.itemsize == CDR_TICK.itemsize:
-            todays: Bytes = payloads.view(CDR_TICK)["tick"].astype(TICK)
-            return todays
+            kept = np.ascontiguousarray(payloads.view(CDR_TICK)["tick"])
+            return kept.view(TICK.newbyteorder("<")).astype(TICK, copy=False)
         rows, ticks = self._rows(payloads), np.zeros(len(payloads), TICK)
         for stored, column in self.known:
             column_values(ticks, column)[:] = rows[stored.name]

@@ -6,7 +6,9 @@ know nothing of Becalm. All are ROS 2 messages.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +17,7 @@ from server.log.ros import Template, header, ros
 from server.log.stream import Bytes
 from sim.capture.tick import ARMS
 from sim.config import MissionConfig
-from sim.model.robot import robot_model
+from sim.model.robot import RobotModel, robot_model
 
 STRIDE = 16
 """Ticks between two poses and transforms: 60 a second are enough to watch."""
@@ -25,6 +27,8 @@ EVENT_TOPIC = "/becalm/event"
 LOG_TOPIC = "/rosout"
 SCENE_TOPIC = "/scene"
 
+_TRANSFORMS, _JOINT_STATE = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg/JointState"
+_WRENCH, _POSE = "geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/PoseStamped"
 _JOINTS = [f"{arm}_joint_{number}" for arm in ARMS for number in (1, 2, 3)]
 
 
@@ -34,16 +38,22 @@ class Topic(NamedTuple):
     name: str
     schema: str
     stride: int
+    """A message every so many ticks."""
     template: Template
     numbers: Callable[[Bytes], Bytes]
     """Of ticks: shape (ticks, numbers)."""
 
 
-def topics_of(config: MissionConfig) -> list[Topic]:
-    """The topics beside `/becalm/tick`, of a robot so configured."""
+def topics_of(config: MissionConfig, rate: float | None = None) -> list[Topic]:
+    """The topics beside `/becalm/tick`, of a robot so configured, each at most at that rate [1/s] if there is one."""
+    fewest = 1 if rate is None else max(1, math.ceil(1.0 / (rate * config.control.period) * (1.0 - 1e-9)))
+    return [topic._replace(stride=max(topic.stride, fewest)) for topic in _all_topics(robot_model(config.robot))]
+
+
+def _all_topics(robot: RobotModel) -> list[Topic]:
     return [
-        Topic("/tf", "tf2_msgs/msg/TFMessage", STRIDE, _transforms(), lambda ticks: _transform_numbers(ticks, config)),
-        Topic("/joint_states", "sensor_msgs/msg/JointState", 1, _joint_states(), _joint_numbers),
+        Topic("/tf", _TRANSFORMS, STRIDE, _transforms(), lambda ticks: _transform_numbers(ticks, robot)),
+        Topic("/joint_states", _JOINT_STATE, 1, _joint_states(), _joint_numbers),
         *(_wrench_topic(arm) for arm in range(2)),
         _pose_topic("/base/pose", lambda ticks: ticks["base_pose"]),
         _pose_topic("/target/pose", lambda ticks: ticks["target_pose"]),
@@ -61,30 +71,29 @@ def frame_tree() -> list[tuple[str, str]]:
     return [*tree, ("world", "target")]
 
 
-def _placed(x: Bytes | float, y: Bytes | float, angle: Bytes | float, count: int) -> Bytes:
-    """Translation and quaternion of planar poses, shape (count, 7)."""
-    numbers = np.zeros((count, 7))
-    numbers[:, 0], numbers[:, 1] = x, y
-    numbers[:, 5], numbers[:, 6] = np.sin(np.asarray(angle) / 2), np.cos(np.asarray(angle) / 2)
+def _translations_and_quaternions(poses: Bytes) -> Bytes:
+    """Of planar poses, shape (..., 3): shape (..., 7)."""
+    numbers = np.zeros((*poses.shape[:-1], 7))
+    numbers[..., :2] = poses[..., :2]
+    numbers[..., 5], numbers[..., 6] = np.sin(poses[..., 2] / 2), np.cos(poses[..., 2] / 2)
     return numbers
 
 
-def _of_pose(pose: Bytes) -> Bytes:
-    return _placed(pose[:, 0], pose[:, 1], pose[:, 2], len(pose))
-
-
-def _transform_numbers(ticks: Bytes, config: MissionConfig) -> Bytes:
-    robot, count = robot_model(config.robot), len(ticks)
-    parts = [_of_pose(ticks["base_pose"])]
+def _transform_numbers(ticks: Bytes, robot: RobotModel) -> Bytes:
+    """Of the transforms of `frame_tree`, shape (ticks, 7 times transforms)."""
+    poses = np.zeros((len(ticks), len(frame_tree()), 3))
+    poses[:, 0], poses[:, -1] = ticks["base_pose"], ticks["target_pose"]
     for arm in range(2):
-        joint, hand = ticks["joint_angle"][:, arm], ticks["hand_pose"][:, arm]
-        shoulder = robot.shoulder_in_base[arm]
-        parts.append(_placed(shoulder[0], shoulder[1], joint[:, 0], count))
-        parts += [_placed(0.0, robot.link_length[link - 1], joint[:, link], count) for link in (1, 2)]
-        parts += [_of_pose(hand), _placed(hand[:, 0], hand[:, 1], 0.0, count)]
-    return np.hstack([*parts, _of_pose(ticks["target_pose"])])
+        links, in_world = poses[:, 1 + 5 * arm : 4 + 5 * arm], poses[:, 4 + 5 * arm : 6 + 5 * arm]
+        links[..., 0, :2] = robot.shoulder_in_base[arm]
+        links[..., 1:, 1] = robot.link_length[:2]
+        links[..., 2] = ticks["joint_angle"][:, arm]
+        in_world[:, 0] = ticks["hand_pose"][:, arm]
+        in_world[:, 1, :2] = ticks["hand_pose"][:, arm, :2]
+    return _translations_and_quaternions(poses).reshape(len(ticks), 7 * len(frame_tree()))
 
 
+@cache
 def _transforms() -> Template:
     def made(numbers: Sequence[float]) -> object:
         transforms = []
@@ -94,45 +103,54 @@ def _transforms() -> Template:
             turned = ros("geometry_msgs/msg/Quaternion", *x[3:])
             transform = ros("geometry_msgs/msg/Transform", moved, turned)
             transforms.append(ros("geometry_msgs/msg/TransformStamped", header(parent), child, transform))
-        return ros("tf2_msgs/msg/TFMessage", transforms)
+        return ros(_TRANSFORMS, transforms)
 
-    return Template("tf2_msgs/msg/TFMessage", 7 * len(frame_tree()), made)
+    return Template(_TRANSFORMS, 7 * len(frame_tree()), made)
 
 
+@cache
 def _joint_states() -> Template:
     def made(numbers: Sequence[float]) -> object:
         position, velocity = np.array(numbers[:6]), np.array(numbers[6:])
-        return ros("sensor_msgs/msg/JointState", header(""), _JOINTS, position, velocity, np.empty(0))
+        return ros(_JOINT_STATE, header(""), _JOINTS, position, velocity, np.empty(0))
 
-    return Template("sensor_msgs/msg/JointState", 12, made)
+    return Template(_JOINT_STATE, 12, made)
 
 
 def _joint_numbers(ticks: Bytes) -> Bytes:
     return np.hstack([ticks["joint_angle"].reshape(-1, 6), ticks["joint_rate"].reshape(-1, 6)])
 
 
-def _wrench_topic(arm: int) -> Topic:
-    """What the target does to a hand, about its centre."""
-
+@cache
+def _wrench(arm: int) -> Template:
     def made(numbers: Sequence[float]) -> object:
         force, torque = (ros("geometry_msgs/msg/Vector3", *numbers[i : i + 3]) for i in (0, 3))
         wrench = ros("geometry_msgs/msg/Wrench", force, torque)
-        return ros("geometry_msgs/msg/WrenchStamped", header(f"{ARMS[arm]}_hand_world_axes"), wrench)
+        return ros(_WRENCH, header(f"{ARMS[arm]}_hand_world_axes"), wrench)
+
+    return Template(_WRENCH, 6, made)
+
+
+def _wrench_topic(arm: int) -> Topic:
+    """What the target does to a hand, about its centre."""
 
     def numbers(ticks: Bytes) -> Bytes:
         wrench = np.zeros((len(ticks), 6))
         wrench[:, [0, 1, 5]] = ticks["hand_wrench"][:, arm]
         return wrench
 
-    name = "geometry_msgs/msg/WrenchStamped"
-    return Topic(f"/{ARMS[arm]}_hand/wrench", name, 1, Template(name, 6, made), numbers)
+    return Topic(f"/{ARMS[arm]}_hand/wrench", _WRENCH, 1, _wrench(arm), numbers)
 
 
-def _pose_topic(topic: str, pose: Callable[[Bytes], Bytes]) -> Topic:
+@cache
+def _pose() -> Template:
     def made(numbers: Sequence[float]) -> object:
         point = ros("geometry_msgs/msg/Point", *numbers[:3])
         turned = ros("geometry_msgs/msg/Quaternion", *numbers[3:])
-        return ros("geometry_msgs/msg/PoseStamped", header("world"), ros("geometry_msgs/msg/Pose", point, turned))
+        return ros(_POSE, header("world"), ros("geometry_msgs/msg/Pose", point, turned))
 
-    name = "geometry_msgs/msg/PoseStamped"
-    return Topic(topic, name, STRIDE, Template(name, 7, made), lambda ticks: _of_pose(pose(ticks)))
+    return Template(_POSE, 7, made)
+
+
+def _pose_topic(topic: str, pose: Callable[[Bytes], Bytes]) -> Topic:
+    return Topic(topic, _POSE, STRIDE, _pose(), lambda ticks: _translations_and_quaternions(pose(ticks)))

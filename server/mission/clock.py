@@ -59,7 +59,7 @@ class MissionClock:
 
     def pause(self, flying: LiveMission) -> str:
         """Hold the clock; in words what was done."""
-        self.pace.pause()
+        self.pace.pause(time.monotonic())
         self.finish_step("paused", flying)
         return "the clock is paused"
 

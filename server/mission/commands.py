@@ -126,6 +126,7 @@ class Commands:
         config = named_configuration(configuration) if request.configuration else flying.config
         if request.revision is not None:
             config = _checked(request.revision, config)
+        self._opener.require_prepared(config)  # before the arming is used up
         self._require_armed(request, flying)
         changes = changed_words(differences(named_configuration(configuration), config))
         return self._replace(request, flying, configuration, config, "reset", changes)
@@ -134,8 +135,9 @@ class Commands:
         """Go on from a moment of the past, with the clock paused."""
         fork = request.fork
         assert fork is not None, "whoever asks has flown it there"
+        self._opener.require_prepared(fork.mission.config)
         following = self._opener.new(fork.parent.configuration, fork.mission.config, fork)
-        self._clock.pace.pause()
+        self._clock.pace.pause(time.monotonic())
         message = f"forked from {fork.parent.run_id} at {following.time:.3f} s; the clock is paused"
         return self._succeed(request, flying, following, "a fork", message)
 
@@ -155,6 +157,7 @@ class Commands:
             self._publisher.show_view(flying)
             return f"parameters changed: {changes}" if changes else "no parameter differs"
         flying.require_replaceable(config)
+        self._opener.require_prepared(config)
         self._require_armed(request, flying)
         return self._replace(request, flying, flying.configuration, config, "parameters changed", changes)
 

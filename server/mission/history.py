@@ -7,6 +7,8 @@ that no peak is lost however long the mission lasts.
 from __future__ import annotations
 
 import json
+import threading
+from collections import deque
 
 import numpy as np
 from pydantic_core import to_json
@@ -19,7 +21,7 @@ CAPACITY = 750
 under the mebibyte that WebSocket clients take of a message by default."""
 
 TICKS_AT_ONCE = 1000
-"""Ticks that are taken in with one length of their pieces; far fewer than fill the room."""
+"""Ticks that are taken in with one length of their pieces, far fewer than fill the room; so many wait for a reader."""
 
 FIRST_STRIDE = 16
 """Ticks in a piece at first: about what a screen shows in a second."""
@@ -53,26 +55,59 @@ _NOTHING = np.empty((0, len(PLOTTED)))
 
 
 class HistoryRing:
-    """Written by the mission thread, which only takes extremes; read, and encoded, by any thread."""
+    """The mission thread gives it ticks, and loses no time; whoever reads it takes them together, in any thread."""
 
     def __init__(self) -> None:
         self._stride = FIRST_STRIDE
         self._block = _Block("", _NOTHING, _NOTHING)
         self._waiting: list[TickArray] = []
+        self._incoming: deque[TickArray] = deque()
+        self._incoming_ticks = 0
+        self._lock = threading.Lock()
+        """Held while ticks are taken together; the mission thread waits for it only where a mission begins."""
 
     def begin(self, run_id: str, past: HistoryRing | None = None) -> None:
         """Hold nothing but that past: another mission begins, with that run."""
-        self._stride = FIRST_STRIDE if past is None else past._stride
-        low, high = (_NOTHING, _NOTHING) if past is None else past._extremes()
-        self._block = _Block(run_id, low, high)
-        self._waiting = [] if past is None else list(past._waiting)
+        with self._lock:
+            self._incoming.clear()
+            self._stride = FIRST_STRIDE
+            self._block, self._waiting = _Block(run_id, _NOTHING, _NOTHING), []
+            if past is not None:
+                past._take_in()
+                low, high = (each[: past._block.count] for each in (past._block.low, past._block.high))
+                self._stride, self._block = past._stride, _Block(run_id, low, high)
+                self._waiting = list(past._waiting)
 
     def keep(self, ticks: TickArray) -> None:
-        """Take in rows of `TICK` that follow those before; they show when their piece is whole."""
-        for start in range(0, len(ticks), TICKS_AT_ONCE):
-            self._keep_few(ticks[start : start + TICKS_AT_ONCE])
+        """Take rows of `TICK` that follow those before; they show when their piece is whole."""
+        self._incoming.append(ticks)
+        self._incoming_ticks += len(ticks)
+        if self._incoming_ticks >= TICKS_AT_ONCE and self._lock.acquire(blocking=False):
+            self._incoming_ticks = 0
+            try:
+                self._take_in()
+            finally:
+                self._lock.release()
 
-    def _keep_few(self, ticks: TickArray) -> None:
+    def encoded(self, since: int = -1) -> str:
+        """The members of `History` as JSON, of the pieces with ticks after `since`; for any thread."""
+        with self._lock:
+            self._take_in()
+            block, count = self._block, self._block.count
+        low, high = block.low[:count], block.high[:count]  # which never change
+        wanted = high[:, TICK_PLACE] > since
+        rows = to_json(rows_of(_rounded(low[wanted]), _rounded(high[wanted])))
+        return f'"run_id":{json.dumps(block.run_id)},"columns":{ENCODED_COLUMNS},"rows":{rows.decode()}'
+
+    def _take_in(self) -> None:
+        """Make pieces of the ticks that have come."""
+        incoming = [self._incoming.popleft() for _ in range(len(self._incoming))]
+        if incoming:
+            ticks = np.concatenate(incoming)
+            for start in range(0, len(ticks), TICKS_AT_ONCE):
+                self._take_in_few(ticks[start : start + TICKS_AT_ONCE])
+
+    def _take_in_few(self, ticks: TickArray) -> None:
         """Take in rows that all become pieces of one length."""
         self._waiting.append(ticks)
         first, last = (int(tick) // self._stride for tick in (self._waiting[0]["tick"][0], ticks["tick"][-1]))
@@ -87,17 +122,6 @@ class HistoryRing:
                 self._stride *= 2
                 self._block = self._block.halved()
             self._block.add(low, high)
-
-    def encoded(self, since: int = -1) -> str:
-        """The members of `History` as JSON, of the pieces with ticks after `since`; for any thread."""
-        block = self._block  # one look: a run and its rows are replaced together
-        low, high = block.low[: block.count], block.high[: block.count]
-        wanted = high[:, TICK_PLACE] > since
-        rows = to_json(rows_of(_rounded(low[wanted]), _rounded(high[wanted])))
-        return f'"run_id":{json.dumps(block.run_id)},"columns":{ENCODED_COLUMNS},"rows":{rows.decode()}'
-
-    def _extremes(self) -> tuple[Values, Values]:
-        return self._block.low[: self._block.count], self._block.high[: self._block.count]
 
 
 def _rounded(values: Values) -> Values:

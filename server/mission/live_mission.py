@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from server.instants import wall_clock
 from server.library.changes import changed_words, display_name
 from server.library.record import LoggedEvent, RunStatus, TickArray
 from server.library.recorder import Recorder
-from server.link.closing import closing_refusal
 from server.link.zenoh_plant import ZenohPlant, require_robot_config
 from server.mission.fork import Fork
 from server.mission.inbox import Request
@@ -22,9 +21,11 @@ from server.mission.problems import ProblemBoard, problem_of
 from sim.capture.events import Event
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Intervention
+from sim.capture.snapshots import Flown, snapshot_of
 from sim.config import MissionConfig, differences, is_live
 from sim.control.phases import AT_REST, Command, Phase, allowed_commands, next_phase
 from sim.errors import Cause, MissionRefused, PlantError
+from sim.rehearsal.situation import Situation
 from sim.snapshot import Snapshot
 
 ACTIVE_PHASES = (Phase.DETUMBLING, Phase.CAGING)
@@ -46,6 +47,23 @@ def _before_the_fork(event: LoggedEvent) -> LoggedEvent:
     """An event of the parent as the fork's log has it; one of a parent's parent is marked already."""
     message = event.message if event.message.startswith(_BEFORE) else f"{_BEFORE}{event.message}"
     return event.model_copy(update={"message": message})
+
+
+class MissionView(NamedTuple):
+    """A mission at one tick: enough for its snapshot, which whoever wants it makes, in any thread."""
+
+    flown: Flown
+    phase: Phase
+    reached: Phase
+    """The phase that the mission is in after that tick."""
+    failure: str | None
+
+    def snapshot(self) -> Snapshot:
+        """The snapshot."""
+        snapshot = snapshot_of(self.flown, self.phase, self.reached)
+        if self.failure is not None:
+            return snapshot.model_copy(update={"description": f"Failed: {self.failure}"})
+        return snapshot
 
 
 class LiveMission:
@@ -75,7 +93,7 @@ class LiveMission:
         self._keep = keep
         self._failure: str | None = None
         self._activity = AT_REST
-        self._tick, self._time = max(0, self._mission.next_tick - 1), self._mission.snapshot().time
+        self._tick, self._time = max(0, self._mission.next_tick - 1), float(self._mission.flown().row["time"])
         self._name = display_name(configuration, config)
         self._initial = config if fork is None else fork.history.config
         self._interventions = [] if fork is None else list(fork.history.interventions)
@@ -150,13 +168,12 @@ class LiveMission:
         """Do what was asked, from the next tick on.
 
         Raises:
-            MissionRefused: the phase does not allow it, or a robot's hands cannot close on the target as it stands.
+            MissionRefused: the phase does not allow it, or the method says that it cannot end well as things stand.
 
         """
         next_phase(self.phase, command, self._mission.method.commands)
-        closing = self._closing_refusal(command)
-        if closing is not None:
-            raise MissionRefused(closing, tip="wait until it has turned, or turn it by hand; then ask again")
+        if speaks_against := self._refusal(command):
+            raise MissionRefused(speaks_against)
         self._mission.request(command)
         self._interventions.append(Intervention(tick=self._mission.next_tick, command=command))
         self.run.begin(self._name, self.config)
@@ -199,6 +216,8 @@ class LiveMission:
         if self._robot is not None:
             require_robot_config(config)
         self._mission.configure(config)
+        if self._robot is not None:
+            self._robot.configure(config)
         self._name = display_name(self.configuration, config)
         self._take_events()
         if changes:
@@ -237,21 +256,29 @@ class LiveMission:
             self._note(event)
         self.run.fail(self._failure)
 
-    def snapshot(self) -> Snapshot:
+    def view(self) -> MissionView:
         """Of the last tick, but for the phase: a paused mission that was stopped is stopped, without a tick."""
-        snapshot = self._mission.snapshot(self.phase)
-        if self._failure is not None:
-            return snapshot.model_copy(update={"description": f"Failed: {self._failure}"})
-        return snapshot
+        return MissionView(self._mission.flown(), self.phase, self._mission.phase, self._failure)
+
+    def situation(self) -> Situation:
+        """What is known of the state that it is in, for futures to begin in; a copy.
+
+        Raises:
+            MissionRefused: the mission has failed, and nothing goes on from it.
+
+        """
+        if self.phase is Phase.FAULTED:
+            raise MissionRefused("the mission is in phase faulted: no future begins in it", tip="reset it first")
+        return Situation.of(self._mission)
 
     def refusals(self) -> dict[str, str | None]:
         """Every command of the mission: None if it is allowed now, else the reason why not."""
         allowed = allowed_commands(self.phase, self._mission.method.commands)
-        return {command.value: reason or self._closing_refusal(command) for command, reason in allowed.items()}
+        return {command.value: reason or self._refusal(command) for command, reason in allowed.items()}
 
-    def _closing_refusal(self, command: Command) -> str | None:
-        """Why a robot's hands should not close on the target now; None if they may, and in the simulation."""
-        return None if self._robot is None else closing_refusal(command, self.config, self._robot.state) or None
+    def _refusal(self, command: Command) -> str | None:
+        """What the method says against a command as things stand; None if nothing."""
+        return self._mission.refusal(command, on_robot=self._robot is not None) or None
 
     def log_request(self, request: Request, *, accepted: bool, message: str) -> None:
         """Note who asked what, and the answer."""

@@ -10,7 +10,7 @@ import threading
 import time
 from typing import Literal
 
-from server.errors import ServiceBusy
+from server.errors import LoopSilent, ServiceBusy
 from server.library.recorder import BACKLOG_LIMIT, Recorder
 from server.link.robot_link import RobotLink
 from server.mission.arming import ArmedOrder
@@ -27,15 +27,26 @@ from server.mission.pace import Pace
 from server.mission.publisher import PUBLISH_PERIOD, ConfigView, Publisher
 from server.mission.replies import Replies
 from server.mission.service_problems import ServiceProblems
+from server.mission.situations import Situations
 from server.mission.stops import Stops
 from server.process.disk import DiskGuard
 from server.process.realtime import realtime_priority
 from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import CaptureError
+from sim.rehearsal.situation import Situation
 
-WAKE_PERIOD = 0.002
-"""Shortest sleep [s]: at real time two ticks are flown at once, for half of the wake-ups."""
+WAKE_PERIOD = PUBLISH_PERIOD
+"""Between two wake-ups of a simulation [s], unless somebody asks for something: nobody sees what is between."""
+
+IDLE_PERIOD = 0.1
+"""The same while nothing is under way and nobody watches [s]."""
+
+AHEAD = 1.2
+"""How far before they are due ticks are flown, as a multiple of that period: so far may a wake-up be late."""
+
+SITUATION_TIME = 2.0
+"""How long who asks for a state waits for it [s]."""
 
 LoopStatus = Literal["preparing", "ok", "faulted"]
 
@@ -56,8 +67,8 @@ class MissionLoop:
     ) -> None:
         """A loop that flies the robot at the other end of the link, or without one the simulation."""
         self._feed, self._recorder, self._link = feed, recorder, link
-        self._inbox, self._replies = Inbox(), Replies()
-        self._closing = threading.Event()
+        self._inbox, self._replies, self._situations = Inbox(), Replies(), Situations()
+        self._closing, self._woken_at = threading.Event(), 0.0
         self._thread = threading.Thread(target=self._live, name="becalm-mission", daemon=True)
         self._mission: LiveMission | None = None
         self._flown_at: float | None = None
@@ -91,6 +102,7 @@ class MissionLoop:
     def shutdown(self, timeout: float = 2.0) -> None:
         """Stop the robot, close the run and end the thread."""
         self.end_soon()
+        self._opener.shutdown()
         if self._mission is not None:  # compiling cannot be interrupted, and has no run to close
             self._thread.join(timeout)
 
@@ -98,9 +110,19 @@ class MissionLoop:
     def status(self) -> LoopStatus:
         """Whether there is a mission to ask something of."""
         latest = self._feed.latest
-        if self.failure or (latest and latest.snapshot.phase == Phase.FAULTED.label):
+        if self.failure or (latest and latest.phase == Phase.FAULTED.label):
             return "faulted"
         return "ok" if latest else "preparing"
+
+    @property
+    def prepared(self) -> float:
+        """How much of what the mission runs is compiled, from 0 to 1; 1 where there is a mission."""
+        return 1.0 if self._feed.latest else min(self._opener.prepared_share(self.view.config), 0.99)
+
+    @property
+    def ending(self) -> bool:
+        """Whether the service ends."""
+        return self._closing.is_set()
 
     @property
     def tick_age(self) -> float | None:
@@ -135,6 +157,24 @@ class MissionLoop:
             raise self.not_ready()
         return ForkParent(flying.run.id, flying.configuration, flying.history, flying.tick + 1)
 
+    def situation(self) -> Situation:
+        """What is known of the state that the mission is in now; for any thread but its own.
+
+        Raises:
+            LoopSilent: the mission thread did not give it in time.
+            MissionRefused: the mission has failed.
+            ServiceBusy: there is no mission yet.
+
+        """
+        if self._feed.latest is None or self._closing.is_set():
+            raise self.not_ready()
+        wanted = self._situations.ask()
+        self._inbox.wake.set()
+        try:
+            return wanted.result(SITUATION_TIME)
+        except TimeoutError:
+            raise LoopSilent("the mission thread gave no state", tip="see GET /api/v1/health") from None
+
     def ask(self, request: Request) -> Answer:
         """Put a request before the mission thread.
 
@@ -150,24 +190,14 @@ class MissionLoop:
 
     def not_ready(self) -> ServiceBusy:
         """Why there is no mission to show or to command."""
-        if self.failure:
-            return ServiceBusy(f"the simulation could not be prepared: {self.failure}", tip="restart the service")
-        if self._closing.is_set():
-            return ServiceBusy("the service is ending", tip="start it again")
-        awaited = self._opener.awaited
-        if awaited:
-            return ServiceBusy(f"the mission waits for its robot: {awaited}", tip="GET /api/v1/link says more")
-        return ServiceBusy(
-            "the simulation is being prepared", tip="its first start compiles for about half a minute; try again"
-        )
+        return _not_ready(self.failure, self._opener.awaited, ending=self._closing.is_set())
 
     @realtime_priority()
     def _live(self) -> None:
         configuration, _, config = self.view
         try:
             self._opener.prepare(config)
-            first = self._opener.first(configuration, config, self._closing)
-            if first is None:
+            if (first := self._opener.first(configuration, config, self._closing)) is None:
                 return
             self._begin(first)
         except Exception as error:
@@ -191,13 +221,12 @@ class MissionLoop:
 
     def _leave_at_rest(self) -> None:
         """The last that the robot hears of the service is to stand still."""
-        flying = self._flying
-        if not self._stops.stop_at_end(flying):
+        if not self._stops.stop_at_end(self._flying):
             return
         if self.pace.running:
             self._fly(1, time.monotonic())
         self._stops.end_at_rest()
-        self._publisher.publish(flying, time.monotonic())
+        self._publisher.publish(self._flying, time.monotonic())
 
     @property
     def _flying(self) -> LiveMission:
@@ -224,9 +253,14 @@ class MissionLoop:
         if self._paced_by_robot:
             self._inbox.wake.clear()
             return
-        wait = self.pace.wait(time.monotonic(), resting=self._flying.resting, longest=PUBLISH_PERIOD)
-        if self._inbox.wake.wait(max(wait, WAKE_PERIOD) if wait else 0.0):
+        now, period = time.monotonic(), _wake_period(self._flying, self._feed)
+        # By the clock, not by when the last turn ended: the screen wants its pictures at an even rate.
+        wait = self.pace.wait(now, resting=self._flying.resting, longest=period)
+        until = min(now + wait, max(self._woken_at + period, now))
+        if self._inbox.wake.wait(until - now):
             self._inbox.wake.clear()
+        else:
+            self._woken_at = until
 
     def _turn_guarded(self) -> None:
         try:
@@ -244,6 +278,7 @@ class MissionLoop:
         self._fly(due, now)
         flying = self._flying
         self._armed.watch(arming_context(flying), now)
+        self._situations.answer(flying)
         for request, answer, message in granted:
             self._replies.grant(request, answer, message, flying)
         if self._replies.pending or self._publisher.is_due(now):
@@ -255,7 +290,7 @@ class MissionLoop:
         if self._paced_by_robot:
             self.pace.anchor(now)
             return 1
-        return self.pace.due(now, resting=self._flying.resting)
+        return self.pace.due(now, resting=self._flying.resting, ahead=AHEAD * _wake_period(self._flying, self._feed))
 
     def _obey_requests(self) -> list[Granted]:
         granted = []
@@ -286,3 +321,22 @@ class MissionLoop:
             self.pace.flown(flown or ticks, now)
             self._flown_at = time.monotonic()
         self._clock.finish_whole_step(self._flying)
+
+
+def _wake_period(flying: LiveMission, feed: Feed) -> float:
+    """Between two wake-ups of a simulation [s]."""
+    return IDLE_PERIOD if flying.resting and not feed.watched else WAKE_PERIOD
+
+
+def _not_ready(failure: str | None, awaited: str, *, ending: bool) -> ServiceBusy:
+    """Why there is no mission: its preparation failed, the service ends, its robot is not there, or it is prepared."""
+    if failure:
+        return ServiceBusy(f"the simulation could not be prepared: {failure}", tip="restart the service")
+    if ending:
+        return ServiceBusy("the service is ending", tip="start it again")
+    if awaited:
+        return ServiceBusy(f"the mission waits for its robot: {awaited}", tip="GET /api/v1/link says more")
+    return ServiceBusy(
+        "the simulation is being prepared",
+        tip="its first start compiles for about half a minute; try again, or let the request wait with wait=true",
+    )

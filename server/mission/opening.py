@@ -8,10 +8,10 @@ import threading
 from server.library.recorder import Recorder
 from server.link.robot_link import RobotLink
 from server.link.zenoh_plant import ZenohPlant
+from server.mission.compiling import MissionCompiler
 from server.mission.feed import Feed
 from server.mission.fork import Fork
 from server.mission.live_mission import LiveMission
-from sim.capture.mission import prepare
 from sim.config import MissionConfig
 from sim.errors import LinkLost, MissionRefused
 
@@ -23,20 +23,38 @@ AWAIT_PERIOD = 0.5
 
 
 class MissionOpener:
-    """Makes missions, which the loop then begins. Used by the mission thread only, but for `awaited`."""
+    """Makes missions, which the loop then begins. Used by the mission thread only, but for what says otherwise."""
 
     def __init__(self, recorder: Recorder, feed: Feed, link: RobotLink | None) -> None:
         self._recorder = recorder
         self._feed = feed
         self._link = link
+        self._compiler = MissionCompiler(robot=link is not None)
         self.awaited = ""
-        """What keeps the service's first mission from beginning; empty: nothing does."""
+        """What keeps the service's first mission from beginning; empty: nothing does. For any thread."""
 
     def prepare(self, config: MissionConfig) -> None:
         """Compile and load what a mission runs."""
-        prepare()
-        if self._link is not None:
-            self._link.warm_up(config)
+        self._compiler.prepare(config)
+        _settle_memory()
+
+    def prepared_share(self, config: MissionConfig) -> float:
+        """How much of what a mission runs has been compiled, from 0 to 1; for any thread."""
+        return self._compiler.share(config)
+
+    def require_prepared(self, config: MissionConfig) -> None:
+        """Refuse a mission that would compile while it flies, and begin to prepare it beside the service.
+
+        Raises:
+            ServiceBusy: it is being prepared.
+            CaptureError: it cannot be.
+
+        """
+        self._compiler.require(config)
+
+    def shutdown(self) -> None:
+        """End what is being prepared; for any thread."""
+        self._compiler.shutdown()
 
     def first(self, configuration: str, config: MissionConfig, closing: threading.Event) -> LiveMission | None:
         """The mission that the service opens with, as soon as its robot is there; None if the service ends before.
@@ -75,12 +93,19 @@ class MissionOpener:
         self, configuration: str, config: MissionConfig, fork: Fork | None = None, robot: ZenohPlant | None = None
     ) -> LiveMission:
         feed = self._feed
-        return LiveMission(configuration, config, self._recorder, feed.publish_event, feed.history.keep, fork, robot)
+        return LiveMission(configuration, config, self._recorder, feed.publish_event, feed.keep, fork, robot)
 
 
 def _robot(link: RobotLink, config: MissionConfig) -> ZenohPlant:
     """The robot, for a new mission."""
-    # A full collection of all that was loaded by now takes longer than the link's deadline: once, and here.
+    _settle_memory()
+    return ZenohPlant(link, config)
+
+
+def _settle_memory() -> None:
+    """Look for garbage once, and never again among all that was loaded by now.
+
+    That takes a tenth of a second, longer than a link's deadline, and keeps every thread waiting.
+    """
     gc.collect()
     gc.freeze()
-    return ZenohPlant(link, config)

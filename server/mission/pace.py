@@ -1,7 +1,8 @@
 """The mission's clock against the wall's: which ticks are due, and how late they are.
 
 Pure arithmetic on times passed in. The schedule is absolute: a late wake-up is caught up with, tick by
-tick, and never stretches the mission's time.
+tick, and never stretches the mission's time. A simulation need not wait for the moment of each tick: those that come
+due until the next wake-up are flown together, ahead of it, so that few wake-ups do and none of the ticks is late.
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ class Pace:
         self.steps_left = 0
         self._anchor_time = now
         self._ticks_since = 0
+        self._lead = 0.0
+        """How far ahead of the wall's clock it was paused [s]."""
         self._scheduled = True
         self._lateness: deque[tuple[float, float]] = deque()
         self._flown: deque[tuple[float, int]] = deque()
@@ -51,34 +54,49 @@ class Pace:
         """Restart the schedule: the next tick is due one period from now."""
         self._anchor_time = now
         self._ticks_since = 0
+        self._lead = 0.0
 
-    def pause(self) -> None:
+    def pause(self, now: float) -> None:
         """Hold the clock."""
+        if self.running:
+            self._lead = self._flown_ahead(now)
         self.running = False
         self.steps_left = 0
 
     def run(self, speed: float, now: float) -> None:
         """Let the clock go at this multiple of the wall's; 0 as fast as it goes."""
+        # What was flown ahead stays flown: else pausing it or letting it run again and again would gain time.
+        lead = self._flown_ahead(now) if self.running else self._lead
         self.running = True
         self.steps_left = 0
         self.speed = speed
-        self.anchor(now)
+        self.anchor(now + lead)
 
-    def due(self, now: float, *, resting: bool) -> int:
-        """Ticks to fly now. Full speed is for a mission that does something: a resting one goes at real time."""
+    def due(self, now: float, *, resting: bool, ahead: float = 0.0) -> int:
+        """Ticks to fly now. Full speed is for a mission that does something: a resting one goes at real time.
+
+        Args:
+            now: wall time [s].
+            resting: whether nothing is under way.
+            ahead: how long before it is due a tick is flown [s].
+
+        """
         if not self.running:
             return min(self.steps_left, FAST_BATCH)
         self._scheduled = self.speed != FULL_SPEED or resting
         if not self._scheduled:
             return FAST_BATCH
-        late = now - self._due_time(resting)
-        self._note_lateness(now, late)
+        late, period = now - self._due_time(resting), self._wall_period(resting)
         if late > GIVE_UP:
+            self._note_lateness(now, late)
             self.slips += 1
             self.anchor(now)
             return 1
-        scheduled = int((now - self._anchor_time) / self._wall_period(resting)) - self._ticks_since
-        return max(0, min(scheduled, max(1, int(CATCH_UP / self._wall_period(resting)))))
+        scheduled = int((now + ahead - self._anchor_time) / period) - self._ticks_since
+        if scheduled <= 0:
+            return 0
+        self._note_lateness(now, late)
+        return min(scheduled, max(1, int((CATCH_UP + ahead) / period)), FAST_BATCH)
 
     def flown(self, ticks: int, now: float) -> None:
         """Count ticks that were flown."""
@@ -108,17 +126,22 @@ class Pace:
         return sum(ticks for _, ticks in self._flown) * self.period / WINDOW
 
     def _wall_period(self, resting: bool) -> float:
+        """Of a tick [s]; full speed is real time at rest."""
         speed = 1.0 if resting and self.speed == FULL_SPEED else self.speed
         return self.period / speed
+
+    def _flown_ahead(self, now: float) -> float:
+        """How far ahead of the wall's clock it has flown [s]."""
+        return max(0.0, self._anchor_time + self._ticks_since * self._wall_period(resting=True) - now)
 
     def _due_time(self, resting: bool) -> float:
         return self._anchor_time + (self._ticks_since + 1) * self._wall_period(resting)
 
     def _note_lateness(self, now: float, late: float) -> None:
-        if late >= 0.0:  # else no tick is due yet
-            self._lateness.append((now, late))
-            self.lateness_counts[bisect_left(LATENESS_BOUNDS, late)] += 1
-            self.lateness_sum += late
+        late = max(late, 0.0)  # what is flown ahead is not late
+        self._lateness.append((now, late))
+        self.lateness_counts[bisect_left(LATENESS_BOUNDS, late)] += 1
+        self.lateness_sum += late
 
 
 def _forget(window: deque[tuple[float, float]] | deque[tuple[float, int]], now: float) -> None:

@@ -12,12 +12,10 @@ from server.link.status import robot_data
 from server.mission.arming import TO_BE_ARMED, ArmedOrder
 from server.mission.clock import MissionClock
 from server.mission.control import ControlDesk
-from server.mission.feed import Feed
+from server.mission.feed import Feed, Latest
 from server.mission.live_mission import LiveMission
 from server.mission.service_problems import ServiceProblems
-from server.published import MissionSnapshot
 from sim.config import MissionConfig
-from sim.snapshot import Readiness
 
 PUBLISH_PERIOD = 1 / 60
 """Wall time between two snapshots [s]."""
@@ -70,7 +68,7 @@ class Publisher:
 
     def is_due(self, now: float) -> bool:
         """Whether the next snapshot is due at that monotonic time [s]."""
-        return now >= self._due_at
+        return now >= self._due_at - 0.25 * PUBLISH_PERIOD  # a turn that comes a little early is its turn
 
     def show_view(self, flying: LiveMission) -> None:
         """Let other threads read the mission's configuration."""
@@ -81,26 +79,18 @@ class Publisher:
         self._due_at = max(self._due_at + PUBLISH_PERIOD, now)
         self.show_view(flying)
         self._problems.show(flying, now)
-        snapshot = flying.snapshot()
-        self._feed.publish(
-            MissionSnapshot(
-                **{**dict(snapshot), "readiness": self._ready(snapshot.readiness)},
-                made_at=wall_clock(),
-                service_time=time.monotonic(),
-                robot=None if self._link is None else robot_data(self._link, now),
-                run_id=flying.run.id,
-                configuration=flying.name,
-                plant=self._clock.status(now),
-                commands={**flying.refusals(), **self._clock.refusals()},
-                control=self._desk.control,
-                arming_needed=() if self._link is None else TO_BE_ARMED,
-                armed=self._armed.shown(now),
-                problems=flying.problems.shown(),
-            )
-        )
-
-    def _ready(self, readiness: Readiness) -> Readiness:
-        """Nothing comes next while the clock stands."""
-        if self._clock.pace.running or readiness.blocked is not None:
-            return readiness
-        return readiness.model_copy(update={"go": False, "blocked": "the clock is paused"})
+        view = flying.view()
+        of_service = {
+            "made_at": wall_clock(),
+            "service_time": time.monotonic(),
+            "robot": None if self._link is None else robot_data(self._link, now),
+            "run_id": flying.run.id,
+            "configuration": flying.name,
+            "plant": self._clock.status(now),
+            "commands": {**flying.refusals(), **self._clock.refusals()},
+            "control": self._desk.control,
+            "arming_needed": () if self._link is None else TO_BE_ARMED,
+            "armed": self._armed.shown(now),
+            "problems": flying.problems.shown(),
+        }
+        self._feed.publish(Latest(view, of_service))

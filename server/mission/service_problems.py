@@ -12,6 +12,9 @@ from server.mission.pace import Pace
 from server.process.disk import FAULT_TIP, DiskGuard
 from server.published import Problem
 
+CLOCK_LATE = "The clock runs late"
+"""Title of that problem."""
+
 LATE = 0.05
 """Lateness that is shown to the operator [s]."""
 
@@ -37,7 +40,7 @@ class ServiceProblems:
             flying,
             "late",
             f"ticks came up to {1e3 * lateness:.0f} ms late in the last second" if lateness > LATE else None,
-            "The clock runs late",
+            CLOCK_LATE,
             "choose a lower speed, or end other programs on this machine",
         )
         _show(

@@ -13,7 +13,7 @@ from server.scene.figures import base_place, closed_outline, dashed_line, raised
 from server.scene.palette import CAGE, FAINT
 from server.scene.solids import FloatArray
 from server.scene.target import half_height
-from sim.config import MissionConfig
+from sim.config import BaseConfig, MissionConfig
 from sim.model.target import target_shape
 from sim.snapshot import Snapshot
 
@@ -27,6 +27,15 @@ def cage_state(snapshot: Snapshot) -> CageState:
     if snapshot.cage_closed:
         return "closed"
     return "open" if snapshot.phase in ("caging", "holding") else "none"
+
+
+def corners_in_base(snapshot: Snapshot, base: BaseConfig, tip_offset: float) -> FloatArray:
+    """Tips in the base's frame about its geometric centre, in order around, the first repeated: shape (5, 2)."""
+    x, y, angle = base_place(snapshot.base.pose, base.centre_of_mass_ahead)
+    hands = (snapshot.left.hand_pose, snapshot.right.hand_pose)
+    tips = np.concatenate([tip_points(pose, tip_offset) for pose in hands])
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return closed_outline((tips - (x, y)) @ np.array([[cosine, -sine], [sine, cosine]]))
 
 
 class CageDrawing:
@@ -57,18 +66,10 @@ class CageDrawing:
         state = cage_state(snapshot)
         if state == self._state == "none":
             return
-        corners = self._corners(snapshot)
+        corners = corners_in_base(snapshot, self._base, self._tip_offset)
         if self._watch.changed(as_tuple(corners)) or state != self._state:
             self._state = state
             self._draw(corners)
-
-    def _corners(self, snapshot: Snapshot) -> FloatArray:
-        """Tips in the base's frame, in order around, the first repeated: shape (5, 2)."""
-        x, y, angle = base_place(snapshot.base.pose, self._base.centre_of_mass_ahead)
-        hands = (snapshot.left.hand_pose, snapshot.right.hand_pose)
-        tips = np.concatenate([tip_points(pose, self._tip_offset) for pose in hands])
-        cosine, sine = math.cos(angle), math.sin(angle)
-        return closed_outline((tips - (x, y)) @ np.array([[cosine, -sine], [sine, cosine]]))
 
     def _draw(self, corners: FloatArray) -> None:
         if self._fence is not None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from server.scene.solids import FloatArray
 from sim.config import MissionConfig
+from sim.model.target import target_shape
 
 CameraName = Literal["perspective", "top", "follow", "hand"]
 CAMERAS: tuple[CameraName, ...] = ("perspective", "top", "follow", "hand")
@@ -48,7 +49,8 @@ def extent(config: MissionConfig) -> Extent:
     """What the default view frames: base, reach of the first links to the sides, and target."""
     base = config.robot.base
     half_width = base.width / 2 + config.robot.arm.link_1.length + 0.03
-    return Extent(half_width, -0.75 * base.depth, config.target.initial_y + 1.06 * config.target.reach)
+    reach = target_shape(config.target).corner_circle
+    return Extent(half_width, -0.75 * base.depth, config.target.initial_y + 1.06 * reach)
 
 
 def _direction(elevation: float, azimuth: float) -> FloatArray:
@@ -67,7 +69,7 @@ def perspective(config: MissionConfig, aspect: float) -> View:
     """From behind the robot and above, everything in sight."""
     area = extent(config)
     depth = area.front - area.rear
-    apparent = depth * math.sin(ELEVATION) + 1.41 * config.target.reach * math.cos(ELEVATION)
+    apparent = depth * math.sin(ELEVATION) + 1.41 * target_shape(config.target).corner_circle * math.cos(ELEVATION)
     look_at = np.array([0.0, area.middle - 0.02, 0.05])
     distance = _distance(apparent, 2 * area.half_width, aspect) + depth / 8
     return View(look_at + distance * _direction(ELEVATION, AZIMUTH), look_at)

@@ -18,6 +18,7 @@ LAYERS = (
     "trails",
     "plan",
     "ghost",
+    "futures",
     "forces",
     "momentum",
     "manipulability",

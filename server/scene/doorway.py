@@ -61,6 +61,14 @@ class DoorwayServer(viser.ViserServer):
             self._folder = Path(tempfile.mkdtemp(prefix="becalm-scene-", dir="/tmp"))
         self.doorway = self._folder / "viser"
         super().__init__(host=str(self.doorway), port=0, verbose=False)
+        self._open: set[int] = set()
+        self._websock_server.on_client_connect(lambda client: self._open.add(client.client_id))
+        self._websock_server.on_client_disconnect(lambda client: self._open.discard(client.client_id))
+
+    @property
+    def watched(self) -> bool:
+        """Whether any browser is connected, also one that has not said yet where its camera is; for any thread."""
+        return bool(self._open)
 
     def stop(self) -> None:
         """End it, and remove its socket."""

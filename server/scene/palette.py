@@ -17,6 +17,8 @@ TOUCH: Colour = (240, 228, 66)
 SPIN: Colour = (20, 184, 136)
 CAGE: Colour = (60, 214, 166)
 TARGET: Colour = (214, 222, 234)
+FUTURE: Colour = (190, 170, 255)
+WORST: Colour = (224, 94, 20)
 FAINT: Colour = (122, 134, 152)
 
 NIGHT: Colour = (14, 17, 22)

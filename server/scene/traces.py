@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import numpy.typing as npt
 import viser
@@ -15,10 +17,12 @@ from server.scene.solids import ball
 from server.scene.target import ghost_parts, half_height, work_height
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
-from sim.model.shape import outline
+from sim.model.shape import Shape, outline
 from sim.model.target import target_shape
-from sim.snapshot import Plan, Snapshot, Vector3
+from sim.snapshot import Plan, Snapshot, Vector2, Vector3
 
+TracedPoints = tuple[Vector2, Vector2, Vector2]
+"""Centres of the target, of the left and of the right hand [m]."""
 TRAIL_POINTS, TRAIL_SPACING = 200, 0.006
 """A trail keeps its last 1.2 m, in steps of 6 mm."""
 TRAIL_HEIGHT = 0.003
@@ -30,6 +34,7 @@ class TrailsDrawing:
     def __init__(self, canvas: Canvas) -> None:
         canvas.group("trails", "/trails")
         self._tick = -1
+        self._undrawn: set[int] = set()
         self._trails = [Trail(TRAIL_POINTS, TRAIL_SPACING) for _ in range(3)]
         self._lines = [
             canvas.scene.add_line_segments(
@@ -39,15 +44,34 @@ class TrailsDrawing:
         ]
 
     def show(self, snapshot: Snapshot) -> None:
-        """Lengthens the trails; a mission that began again, or was rewound, clears them."""
-        if snapshot.tick < self._tick:
+        """Lengthens the trails."""
+        poses = snapshot.target.pose, snapshot.left.hand_pose, snapshot.right.hand_pose
+        self.extend(snapshot.tick, ((x, y) for x, y, _ in poses))
+        for place in self._undrawn:
+            self._lines[place].points = self._trails[place].segments(TRAIL_HEIGHT).astype(np.float32)
+        self._undrawn.clear()
+
+    def extend(self, tick: int, points: Iterable[Vector2]) -> None:
+        """Lengthens the trails of target, left and right hand, which `show` will draw.
+
+        A mission that began again, or was rewound, clears them.
+        """
+        if tick < self._tick:
             for trail in self._trails:
                 trail.clear()
-        self._tick = snapshot.tick
-        poses = (snapshot.target.pose, snapshot.left.hand_pose, snapshot.right.hand_pose)
-        for trail, line, (x, y, _) in zip(self._trails, self._lines, poses, strict=True):
+        self._tick = tick
+        for place, (trail, (x, y)) in enumerate(zip(self._trails, points, strict=True)):
             if trail.extend(x, y):
-                line.points = trail.segments(TRAIL_HEIGHT).astype(np.float32)
+                self._undrawn.add(place)
+
+
+def add_ghost(canvas: Canvas, name: str, shape: Shape, colour: Colour) -> Moving:
+    """A see-through target with dashed edges, at work height: where it is not, but may come to be."""
+    body = canvas.parts(name, ghost_parts(shape, colour), shadow=False)
+    edge, roof = closed_outline(outline(shape)), half_height(shape)
+    edges = [dashed_line(raised(edge, z), 0.008, 0.006) for z in (-roof, roof)]
+    canvas.scene.add_line_segments(f"{name}/edges", np.concatenate(edges), colour, thickness=0.0018)
+    return Moving(body, work_height(shape))
 
 
 def fading(colour: Colour) -> npt.NDArray[np.uint8]:
@@ -72,12 +96,8 @@ class PlanDrawing:
             canvas.parts(f"/plan/{name}_goal", goal_hand_parts(hand, colour), shadow=False)
             for name, colour in zip(ARM_NAMES, ARMS, strict=True)
         ]
-        ghost = canvas.parts("/ghost/target", ghost_parts(shape, TARGET), shadow=False)
-        edge, roof = closed_outline(outline(shape)), half_height(shape)
-        edges = [dashed_line(raised(edge, z), 0.008, 0.006) for z in (-roof, roof)]
-        canvas.scene.add_line_segments("/ghost/target/edges", np.concatenate(edges), TARGET, thickness=0.0018)
         self._goals = [Moving(goal, self._height) for goal in goals]
-        self._ghost = Moving(ghost, self._height)
+        self._ghost = add_ghost(canvas, "/ghost/target", shape, TARGET)
         self._paths: list[list[viser.SceneNodeHandle]] = [[], []]
         self._plan: Plan | None = None
         self._draw(None)

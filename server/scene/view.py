@@ -18,10 +18,12 @@ from server.scene.cameras import CAMERAS, CameraName, View
 from server.scene.canvas import HIDDEN_AT_FIRST, LAYERS, Canvas
 from server.scene.doorway import DoorwayServer
 from server.scene.dynamics import EllipsesDrawing, ForcesDrawing, MotionDrawing
+from server.scene.futures import FuturesDrawing
 from server.scene.solids import FloatArray
 from server.scene.stage import set_stage
-from server.scene.traces import PlanDrawing, TrailsDrawing
+from server.scene.traces import PlanDrawing, TracedPoints, TrailsDrawing
 from sim.config import ArmConfig, BaseConfig, MissionConfig, TargetConfig
+from sim.rehearsal.summary import CaseResult
 from sim.snapshot import Snapshot
 
 FOLLOWING = ("follow", "hand")
@@ -54,9 +56,11 @@ class Scene:
     def __init__(self, config: MissionConfig) -> None:
         self._config = config
         self._lock = threading.Lock()
-        self._server: viser.ViserServer | None = None
+        self._server: DoorwayServer | None = None
         self._canvas: Canvas | None = None
         self._drawings: list[Drawing] = []
+        self._trails: TrailsDrawing | None = None
+        self._futures: FuturesDrawing | None = None
         self._layers = {layer: layer not in HIDDEN_AT_FIRST for layer in LAYERS}
         self._camera: CameraName = "perspective"
         self._latest: Snapshot | None = None
@@ -81,7 +85,7 @@ class Scene:
         """Closes the viser server and its connections."""
         with self._lock:
             server, self._server = self._server, None
-            self._drawings = []
+            self._drawings, self._trails, self._futures = [], None, None
         if server is not None:
             server.stop()
 
@@ -97,6 +101,26 @@ class Scene:
             self._shown += 1
             if self._shown % FOLLOW_EVERY == 0:
                 self._follow(server, snapshot)
+
+    @property
+    def watched(self) -> bool:
+        """Whether any browser shows the scene; for any thread."""
+        server = self._server
+        return server is not None and server.watched
+
+    def pass_by(self, tick: int, points: TracedPoints) -> None:
+        """Note where target and hands are in that tick, for their trails, without drawing anything."""
+        with self._lock:
+            if self._trails is not None and self._futures is not None:
+                self._trails.extend(tick, points)
+                self._futures.note(tick)
+
+    def foretell(self, case: CaseResult | None) -> None:
+        """Draws the futures of a case until the mission begins again; none takes away what is drawn of them."""
+        with self._lock:
+            if self._server is not None and self._futures is not None:
+                with self._server.atomic():
+                    self._futures.foretell(case)
 
     def reconfigure(self, config: MissionConfig) -> None:
         """Draws this configuration from now on; layers and camera stay.
@@ -180,7 +204,9 @@ class Scene:
             CageDrawing,
         )
         self._drawings = [make(canvas, self._config) for make in makers]
-        self._drawings.append(TrailsDrawing(canvas))
+        self._trails = TrailsDrawing(canvas)
+        self._futures = FuturesDrawing(canvas, self._config)
+        self._drawings += [self._trails, self._futures]
         self._apply_layers()
         self._aim(server)
 

@@ -20,6 +20,7 @@ from server.app import create_app
 from server.published import MissionSnapshot
 from server.settings import Settings
 from sim.capture.mission import prepare
+from sim.config import MissionConfig
 
 PATIENCE = 180.0
 """Bound on every wait [s]: far beyond any of them, so that only a hang reaches it."""
@@ -27,7 +28,7 @@ PATIENCE = 180.0
 
 @pytest.fixture(scope="session", autouse=True)
 def _prepared() -> None:
-    prepare()
+    prepare(MissionConfig())
 
 
 class Console:
@@ -72,7 +73,7 @@ class Console:
 
 @pytest.fixture
 def settings(tmp_path) -> Settings:
-    return Settings(data_dir=tmp_path / "data")
+    return Settings(data_dir=tmp_path / "data", configuration="published_figures")
 
 
 @pytest.fixture
@@ -105,6 +106,7 @@ class Served(NamedTuple):
 
 @contextmanager
 def _serving(settings: Settings) -> Iterator[Served]:
+    """A service behind a real port, with its mission (but a robot's: that one may never answer)."""
     app = create_app(settings)
     with bound_socket("127.0.0.1", 0) as bound:
         server = uvicorn.Server(server_config(app))
@@ -113,7 +115,10 @@ def _serving(settings: Settings) -> Iterator[Served]:
         deadline = time.monotonic() + PATIENCE
         while not server.started and thread.is_alive() and time.monotonic() < deadline:
             time.sleep(0.01)
-        yield Served(bound.getsockname()[1], app.state.services)
+        services: Services = app.state.services
+        while services.link is None and services.loop.status == "preparing" and time.monotonic() < deadline:
+            time.sleep(0.01)
+        yield Served(bound.getsockname()[1], services)
         server.should_exit = True
         thread.join(PATIENCE)
         assert not thread.is_alive()

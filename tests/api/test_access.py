@@ -35,7 +35,7 @@ connect = partial(websocket.connect, open_timeout=PATIENCE)
 
 @pytest.fixture(scope="module")
 def settings(tmp_path_factory):
-    return Settings(data_dir=tmp_path_factory.mktemp("data"), require_tokens=True)
+    return Settings(data_dir=tmp_path_factory.mktemp("data"), require_tokens=True, configuration="published_figures")
 
 
 @pytest.fixture(scope="module")
@@ -216,7 +216,7 @@ def test_what_changes_and_what_is_refused_is_logged(guarded, secrets, settings):
 
 
 def test_every_route_has_a_rule(tmp_path):
-    app = create_app(Settings(data_dir=tmp_path))
+    app = create_app(Settings(data_dir=tmp_path, configuration="published_figures"))
     asked = []
     for path, operations in app.openapi()["paths"].items():
         asked += [(method.upper(), path) for method in operations]

@@ -29,7 +29,7 @@ def _invoke(*arguments: str):
 
 
 def test_json_is_one_document_and_nothing_else():
-    result = _invoke("run", "--direct", "--json", "--seed", "3")
+    result = _invoke("run", "--configuration", "published", "--direct", "--json", "--seed", "3")
     document = json.loads(result.stdout)
     assert result.exit_code == 0
     assert set(document) >= PROMISED
@@ -40,7 +40,7 @@ def test_json_is_one_document_and_nothing_else():
 
 
 def test_run_is_kept_in_the_library_and_logged():
-    document = json.loads(_invoke("run", "--direct", "--json").stdout)
+    document = json.loads(_invoke("run", "--configuration", "published", "--direct", "--json").stdout)
     store = RunStore(Settings.from_environment().data_dir / "runs")
     reader = store.read(document["run_id"])
     assert reader.record.status == "finished"
@@ -58,7 +58,9 @@ def test_summary_for_a_person():
 
 def test_log_file(tmp_path):
     path = tmp_path / "capture.parquet"
-    document = json.loads(_invoke("run", "--direct", "--json", "--log", str(path)).stdout)
+    document = json.loads(
+        _invoke("run", "--configuration", "published", "--direct", "--json", "--log", str(path)).stdout
+    )
     table = pyarrow.parquet.read_table(path)
     assert table.column("mission.time")[-1].as_py() == pytest.approx(document["duration"], abs=0.01)
     assert np.abs(table.column("right.hand_wrench.x").to_numpy()).max() > 0
@@ -68,8 +70,9 @@ def test_log_file(tmp_path):
 def test_config_file(tmp_path):
     path = tmp_path / "soft.toml"
     path.write_text("[published.impedance]\ndamping = 3.0\nmass = 0.05\n")
-    document = json.loads(_invoke("run", "--direct", "--json", "--config", str(path), "--set",
-                                  "published.impedance.mass=0.07").stdout)  # fmt: skip
+    published = ("--configuration", "published", "--direct")
+    changes = ("--config", str(path), "--set", "published.impedance.mass=0.07")
+    document = json.loads(_invoke("run", *published, *changes, "--json").stdout)
     assert document["config"]["published"]["impedance"]["damping"] == 3.0
     assert document["config"]["published"]["impedance"]["mass"] == 0.07  # what is set wins over the file
     assert document["configuration"] == "published (edited)"
@@ -141,7 +144,7 @@ def test_port_in_use_exits_1_and_starts_nothing(tmp_path):
 def test_data_folder_that_cannot_be_written_exits_1(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("BECALM_DATA_DIR", str(tmp_path / "file"))
-    result = _invoke("run", "--direct", "--json")
+    result = _invoke("run", "--configuration", "published", "--direct", "--json")
     assert result.exit_code == 1
     assert str(tmp_path / "file") in result.stderr
     assert result.stdout == ""
@@ -164,7 +167,7 @@ def test_serve_says_where_and_ends_on_a_signal():
 
 
 def test_replay_finds_no_difference_and_names_the_first_there_is():
-    run_id = json.loads(_invoke("run", "--direct", "--json").stdout)["run_id"]
+    run_id = json.loads(_invoke("run", "--configuration", "published", "--direct", "--json").stdout)["run_id"]
     result = _invoke("replay", run_id, "--json")
     report = json.loads(result.stdout)
     assert result.exit_code == 0
@@ -207,7 +210,7 @@ def test_check_says_what_would_be_started_and_starts_nothing(tmp_path, monkeypat
     assert found["tokens_required"] is False
     text = _invoke(*arguments).stdout
     assert "http://127.0.0.1:0/" in text
-    assert "published_figures" in text
+    assert "opening with becalm" in text
     assert not (tmp_path / "data").exists()
 
 

@@ -15,9 +15,11 @@ from click.testing import CliRunner
 
 from becalm import studying
 from becalm.cli import main
+from becalm.studying import chosen_workers
 from sim.reproduction.published import published_study
 from sim.snapshot import OutcomeClass
 from sim.study import flight
+from sim.study.design import study_of
 from sim.study.run import CellTask, fly_cell
 
 MASS, SPIN = "published.impedance.mass", "target.initial_spin"
@@ -103,6 +105,7 @@ def test_format_and_changes(small, tmp_path):
     assert "Wrote" in result.stdout
 
 
+@pytest.mark.slow  # writes and reads two tables of 484 cells
 @pytest.mark.usefixtures("in_this_process")
 def test_agreement_is_told_of_the_published_study(tmp_path, monkeypatch):
     flown = fly_cell(CellTask(published_study().base, False, published_study().cell(0)))
@@ -267,3 +270,17 @@ def test_help_has_examples():
     assert result.exit_code == 0
     assert "becalm study published --out" in result.stdout
     assert "[samples.over]" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("made_of", "count", "words"),
+    [
+        ({}, 2, "2 threads of this process"),
+        ({}, 5, "5 processes on this machine"),
+        ({"changes": {"simulation.engine": "pymunk"}}, 2, "2 processes on this machine"),
+        ({"grid": {"simulation.engine": ["pymunk", "reduced"]}}, 1, "1 process on this machine"),
+    ],
+)
+def test_few_workers_are_threads_where_no_library_can_end_the_process(made_of, count, words):
+    study = study_of({"grid": {"target.initial_spin": [0.9, 1.0]}, **made_of})
+    assert chosen_workers(study, count, None).words == words

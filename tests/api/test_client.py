@@ -88,3 +88,19 @@ async def test_awaited_it_does_the_same(tmp_path):
         phases = {snapshot.phase async for snapshot in service.watch(rate=60)}
         assert "holding" in {str(phase) for phase in phases}
         await service.delete_run(run.id)
+
+
+@pytest.mark.usefixtures("address")
+def test_a_rehearsal_and_an_atlas_as_their_page_shows(capsys):
+    pytest.importorskip("pandas")
+    exec(sample("docs/rehearsal.md", "From a script"), {})
+    printed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in printed[:2]] == ["caged", "caged"]
+    assert any(line.split()[0] in ("better", "worse", "same") for line in printed[2:])
+    exec(sample("docs/rehearsal.md", "Atlas"), {})
+    cells = [tuple(map(int, line.split()[:2])) for line in capsys.readouterr().out.splitlines()]
+    assert sorted(cells) == [(x, y) for x in range(4) for y in range(4)]
+    with becalm.Client() as service:
+        assert service.look_ahead().go_odds == 0.9
+        begun = service.start_rehearsal(futures=2000)
+        assert service.cancel_rehearsal(begun.id).status == "cancelled"

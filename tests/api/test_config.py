@@ -104,7 +104,37 @@ async def test_schema_tells_everything_about_every_parameter(console):
     assert damping["default"] == 1.5
     assert by_path["target.mass"]["exclusive_minimum"] == 1e-3
     assert by_path["contact.corner"]["choices"] == ["face", "radial"]
+    assert by_path["method"]["choice_titles"].keys() == set(by_path["method"]["choices"])
+    assert "Uchida" in by_path["method"]["choice_titles"]["published"]
+    assert by_path["contact.corner"]["choice_titles"] == {}
+    vertices = by_path["target.vertices"]
+    assert (vertices["type"], vertices["fewest"], vertices["most"]) == ("points", 3, 12)
+    assert (vertices["minimum"], vertices["maximum"], vertices["choices"]) == (-10, 10, None)
+    assert vertices["default"][1] == [0.14, 0.0]
     assert all(parameter["source"] for parameter in by_path.values())
+
+
+async def test_a_list_of_points_is_changed_whole_and_told_as_a_change(console):
+    points = [[0, 0], [0.2, 0], [0, 0.1]]
+    body = (await console.http.patch("/mission/config", json={"target": {"vertices": points}})).json()
+    assert body["config"]["target"]["vertices"] == points
+    assert body["edited"]["target.vertices"]["to"] == points
+
+
+@pytest.mark.parametrize(
+    ("vertices", "field", "words"),
+    [
+        ([[0, 0], [0, 0.1], [0.1, 0]], "target.vertices", "clockwise"),
+        ([[0, 0], [0.1, 0], [0, 11]], "target.vertices.2.1", "less than or equal to 10 [m]"),
+        (True, "target.vertices", "array"),
+    ],
+)
+async def test_points_that_cannot_be_are_refused_by_field(console, vertices, field, words):
+    answer = await console.http.patch("/mission/config", json={"target": {"vertices": vertices}})
+    assert answer.status_code == 422
+    found = answer.json()["errors"]
+    assert [each["field"] for each in found] == [field]
+    assert words in found[0]["message"]
 
 
 async def test_named_configurations(console):

@@ -19,7 +19,9 @@ PATIENCE = 60.0
 
 @pytest.fixture(scope="module")
 def crew(tmp_path_factory, serving):
-    settings = Settings(data_dir=tmp_path_factory.mktemp("data"), require_tokens=True)
+    settings = Settings(
+        data_dir=tmp_path_factory.mktemp("data"), require_tokens=True, configuration="published_figures"
+    )
     store = TokenStore(settings.data_dir / "access")
     roles = {"ana": Role.OPERATOR, "ben": Role.OPERATOR, "vic": Role.VIEWER}
     secrets = {name: store.create(name, role) for name, role in roles.items()}

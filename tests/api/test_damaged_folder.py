@@ -96,7 +96,12 @@ async def test_a_service_on_a_damaged_folder(damaged, settings):
 
 async def test_requests_at_once_with_one_key_make_one_run(console):
     answers = await asyncio.gather(
-        *(console.http.post("/runs", json={"direct": True}, headers={"Idempotency-Key": "one"}) for _ in range(8))
+        *(
+            console.http.post(
+                "/runs", json={"configuration": "published", "direct": True}, headers={"Idempotency-Key": "one"}
+            )
+            for _ in range(8)
+        )
     )
     assert {answer.status_code for answer in answers} == {202}
     assert len({answer.json()["id"] for answer in answers}) == 1

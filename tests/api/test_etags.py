@@ -23,7 +23,7 @@ PATHS = (
 @pytest.fixture
 async def names(console):
     """A run and a study, both ended."""
-    run = (await console.http.post("/runs", json={"direct": True})).json()["id"]
+    run = (await console.http.post("/runs", json={"configuration": "published", "direct": True})).json()["id"]
     await console.until_run(run, "finished")
     definition = {"grid": {"target.mass": [2.0]}, "direct": True}
     study = (await console.http.post("/studies", json={"study": definition})).json()["id"]

@@ -60,7 +60,7 @@ async def test_metrics_tell_what_the_service_does(console):
 
 
 async def test_runs_are_counted_by_their_outcome(console):
-    run = (await console.http.post("/runs", json={"direct": True})).json()
+    run = (await console.http.post("/runs", json={"configuration": "published", "direct": True})).json()
     ended = await console.until_run(run["id"], "finished")
     found = _samples((await console.http.get("http://localhost/metrics")).text)
     assert found["becalm_runs", "scripted", ended["outcome"]["outcome"], "finished"] == 1
@@ -69,7 +69,7 @@ async def test_runs_are_counted_by_their_outcome(console):
 @pytest.fixture
 def crowded(tmp_path):
     """A service that wants more room than any disk has."""
-    return Settings(data_dir=tmp_path / "data", min_free_gb=1e9)
+    return Settings(data_dir=tmp_path / "data", min_free_gb=1e9, configuration="published_figures")
 
 
 class TestWithLittleRoom:

@@ -25,7 +25,7 @@ connect = partial(websocket.connect, open_timeout=PATIENCE)
 @pytest.fixture(scope="module")
 def served(serving, tmp_path_factory):
     """One service for all of them; they leave nothing behind but the run."""
-    with serving(Settings(data_dir=tmp_path_factory.mktemp("data"))) as running:
+    with serving(Settings(data_dir=tmp_path_factory.mktemp("data"), configuration="published_figures")) as running:
         yield running
 
 
@@ -34,7 +34,7 @@ def run(served) -> dict:
     """A scripted run that has ended."""
     deadline = time.monotonic() + PATIENCE
     with httpx.Client(base_url=served.api, timeout=PATIENCE) as http:
-        run = http.post("/runs", json={"direct": True}).json()
+        run = http.post("/runs", json={"configuration": "published", "direct": True}).json()
         while run["status"] not in ("finished", "failed"):
             assert time.monotonic() < deadline
             time.sleep(0.05)

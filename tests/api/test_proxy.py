@@ -67,6 +67,7 @@ def _proxied(configuration, folder, serving) -> Iterator[Proxied]:
     settings = Settings(
         data_dir=folder / "data",
         require_tokens=True,
+        configuration="published_figures",
         allowed_hosts=(host, "127.0.0.1"),
         trusted_proxies=("127.0.0.1",),
     )

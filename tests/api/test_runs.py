@@ -136,14 +136,27 @@ async def test_reset_in_the_middle_keeps_the_run_as_cancelled(console):
     assert run["note"] == "ended by reset"
 
 
+PUBLISHED = {"configuration": "published"}
+
+
 async def test_scripted_run_equals_the_command_line_and_the_library(console):
     changes = {"published": {"impedance": {"damping": 3.0}}}
-    answer = await console.http.post("/runs", json={"changes": changes, "direct": True, "seed": 7})
+    answer = await console.http.post("/runs", json={**PUBLISHED, "changes": changes, "direct": True, "seed": 7})
     assert answer.status_code == 202
     assert answer.json()["status"] in ("queued", "running")
     run = await console.until_run(answer.json()["id"], "finished", "failed")
     assert run["status"] == "finished", run["note"]
-    arguments = ["run", "--json", "--direct", "--seed", "7", "--set", "published.impedance.damping=3.0"]
+    arguments = [
+        "run",
+        "--configuration",
+        "published",
+        "--json",
+        "--direct",
+        "--seed",
+        "7",
+        "--set",
+        "published.impedance.damping=3.0",
+    ]
     printed = json.loads(CliRunner().invoke(main, arguments).stdout)
     for name, value in run["outcome"].items():
         assert printed[name] == value, name
@@ -173,7 +186,7 @@ async def test_bad_scripted_run_starts_nothing(console):
 async def test_scripted_run_is_cancelled_then_removed(console):
     """A run that would take minutes: it is ended while it waits or flies, and stays listed until it is removed."""
     changes = {"judging": {"time_limit": 3600.0}, "target": {"initial_spin": 0.0, "initial_y": 0.6}}
-    body = {"changes": changes, "direct": False}
+    body = {**PUBLISHED, "changes": changes, "direct": False}
     runs = [(await console.http.post("/runs", json=body)).json()["id"] for _ in range(2)]
     for run_id in reversed(runs):  # first the one that waits
         assert (await console.http.delete(f"/runs/{run_id}")).status_code == 409
@@ -281,22 +294,32 @@ async def test_live_run_is_flown_again_from_its_own_log(console):
 ENDLESS = {"judging": {"time_limit": 3600.0}, "target": {"initial_spin": 0.0, "initial_y": 0.6}}
 
 
+async def test_what_the_method_does_not_know_starts_nothing(console):
+    answer = await console.http.post("/runs", json={"configuration": "becalm", "direct": True})
+    assert answer.status_code == 409
+    assert "direct_cage is refused: the configured method has no such command" in answer.json()["detail"]
+    assert (await console.http.get("/runs", params={"kind": "scripted"})).json()["runs"] == []
+
+
 async def test_many_runs_at_once_are_queued_all_or_none(console):
-    bodies = [{"direct": True, "seed": seed} for seed in (1, 2)]
+    bodies = [{**PUBLISHED, "direct": True, "seed": seed} for seed in (1, 2)]
     answer = await console.http.post("/runs", json=[*bodies, {"changes": {"target": {"mass": -1}}}])
     assert answer.status_code == 422
     assert (await console.http.get("/runs", params={"kind": "scripted"})).json()["runs"] == []
     queued = (await console.http.post("/runs", json=bodies)).json()
     assert [run["seed"] for run in queued] == [1, 2]
+    assert {run["engine"] for run in queued} == {"pymunk"}
     for run in queued:
         assert (await console.until_run(run["id"], "finished"))["integrity"] == "complete"
 
 
 async def test_idempotency_key(console):
     headers = {"Idempotency-Key": "a-script-7"}
-    first, again = [await console.http.post("/runs", json={"changes": ENDLESS}, headers=headers) for _ in range(2)]
+    first, again = [
+        await console.http.post("/runs", json={**PUBLISHED, "changes": ENDLESS}, headers=headers) for _ in range(2)
+    ]
     assert first.json()["id"] == again.json()["id"]
-    other = await console.http.post("/runs", json={"direct": True}, headers=headers)
+    other = await console.http.post("/runs", json={"seed": 3}, headers=headers)
     assert other.status_code == 409
     assert "a-script-7" in other.json()["detail"]
     assert (await console.http.post(f"/runs/{first.json()['id']}/cancel")).status_code == 202

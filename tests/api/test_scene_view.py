@@ -4,7 +4,9 @@ import contextlib
 import stat
 import tempfile
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import viser
 from websockets.sync.client import unix_connect
@@ -13,6 +15,8 @@ from server.scene import CAMERAS, LAYERS, Scene
 from sim.capture.mission import Mission
 from sim.config import MissionConfig, TargetConfig
 from sim.configurations import revised
+from sim.rehearsal.summary import CaseResult
+from sim.rehearsal.summary import Path as Way
 
 QUIET = 1.0
 """A scene that sends nothing for this long has nothing to send [s]."""
@@ -68,6 +72,25 @@ def test_a_late_browser_gets_the_whole_scene_and_then_only_what_changes(scene):
         mission.advance(50)
         scene.show(mission.snapshot())
         assert 0 < drained(browser, more_than=0) < 2_000
+
+
+def test_it_knows_whether_it_is_watched_and_draws_trails_of_what_nobody_watched(scene):
+    doorway = scene.start()
+    assert not scene.watched
+    mission = flown()
+    scene.show(mission.snapshot())
+    for tick in range(1, 20):
+        scene.pass_by(tick + 1, ((0.01 * tick, 0.5), (-0.3, 0.0), (0.3, 0.0)))
+    with joined(doorway) as browser:
+        unseen = drained(browser, more_than=WHOLE_SCENE)
+        assert scene.watched
+        mission.advance(50)
+        scene.show(mission.snapshot())
+        trail = drained(browser, more_than=0)
+        mission.advance(1)
+        scene.show(mission.snapshot())
+        assert trail > 10_000 > drained(browser, more_than=0)
+    assert unseen > WHOLE_SCENE
 
 
 def test_only_another_geometry_is_drawn_again(scene):
@@ -143,3 +166,43 @@ def test_a_long_name_of_the_temporary_folder_does_no_harm(scene, tmp_path, monke
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     assert scene.start().is_socket()
+
+
+def foretold(futures, most_likely, worst):
+    """A case whose futures go straight out by 10 cm each, every one from a place of its own."""
+
+    def way(place):
+        return [[place + 0.02 * step, place, 0.1 * step] for step in range(6)]
+
+    paths = [
+        Way(future=number, times=[0.1 * step for step in range(6)], base=way(0.0), target=way(number / 10),
+             left=way(number / 10 + 0.01), right=way(number / 10 + 0.02))
+        for number in range(futures)
+    ]  # fmt: skip
+    said: dict[str, Any] = {"paths": paths, "most_likely": most_likely, "worst": worst}
+    return CaseResult.model_construct(**said)
+
+
+def test_futures_are_drawn_until_the_mission_begins_again(scene):
+    scene.start()
+    mission = flown()
+    scene.show(mission.snapshot())
+    scene.foretell(foretold(5, most_likely=2, worst=4))
+    drawing = scene._futures
+    lines = {line.name: line for line in drawing._lines}
+    bodies = ("target", "left", "right")
+    assert set(lines) == {f"/futures/{what}_{body}" for what in ("bundle", "likely", "worst") for body in bodies}
+    assert len(lines["/futures/bundle_left"].points) == 3 * 5
+    np.testing.assert_allclose(lines["/futures/worst_target"].points[0, 0, :2], (0.4, 0.4))
+    assert drawing._ghost.handle.visible
+    np.testing.assert_allclose(drawing._ghost.handle.position[:2], (0.3, 0.2))
+    mission.advance(10)
+    scene.show(mission.snapshot())
+    scene.pass_by(1, ((0.0, 0.35), (0.1, 0.3), (-0.1, 0.3)))  # begun again while nobody looks
+    assert not drawing._lines
+    scene.foretell(foretold(5, most_likely=2, worst=4))
+    scene.show(mission.snapshot())
+    assert drawing._lines
+    scene.show(flown().snapshot())
+    assert not drawing._lines
+    assert not drawing._ghost.handle.visible

@@ -21,7 +21,7 @@ from server.settings import Settings
 
 @pytest.fixture(scope="module")
 def document(serving, tmp_path_factory):
-    with serving(Settings(data_dir=tmp_path_factory.mktemp("data"))) as served:
+    with serving(Settings(data_dir=tmp_path_factory.mktemp("data"), configuration="published_figures")) as served:
         yield schemathesis.openapi.from_url(served.api.removesuffix("/api/v1") + "/openapi.json")
 
 

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import subprocess
 import sys
 import time
+from functools import partial
+from typing import Any, cast
 
 import httpx
 import numpy as np
+import pytest
 from fastapi import FastAPI
 
+from server.api.services import Patience
 from server.app import create_app
+from server.errors import ServiceBusy
 from server.library.runs import RunStore, new_record
 from server.library.writer import RunWriter
 from server.pages.console import serve_console
 from server.settings import Settings
 from sim.capture.tick import TICK
 from sim.configurations import named_configuration
+
+PATIENCE = 180.0
+"""Bound on a wait [s]: far beyond it, so that only a hang reaches it."""
 
 
 async def test_health(console):
@@ -40,6 +49,44 @@ async def test_before_the_simulation_is_prepared(settings):
             assert "prepared" in answer.json()["detail"]
             assert answer.json()["tip"]
         assert (await http.get("/mission/config")).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "body"),
+    [
+        ("GET", "/mission", None),
+        ("POST", "/mission/commands", {"command": "capture"}),
+        ("POST", "/mission/arming", {"command": "capture"}),
+        ("POST", "/mission/control", {"action": "take_control"}),
+        ("PATCH", "/mission/config", {"published": {"impedance": {"damping": 3.0}}}),
+    ],
+)
+async def test_a_request_waits_for_the_mission_if_asked_to(settings, method, path, body):
+    """Sent before the mission thread has begun: what is granted is granted by the mission that follows."""
+    app = create_app(settings)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost/api/v1") as http:
+        ask = partial(http.request, method, path, json=body, timeout=PATIENCE)
+        refused = await ask(params={"wait": "true", "timeout": 0.01})
+        assert refused.status_code == 503
+        assert "wait=true" in refused.json()["tip"]
+        assert (await ask(params={"wait": "true", "timeout": 0})).status_code == 422
+        waiting = asyncio.create_task(ask(params={"wait": "true", "timeout": PATIENCE}))
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        async with app.router.lifespan_context(app):
+            answer = await waiting
+            assert answer.status_code == 200, answer.text
+
+
+async def test_a_command_whose_asker_has_gone_while_it_waited_is_not_carried_out(settings):
+    app = create_app(settings)
+
+    class Gone:
+        async def is_disconnected(self) -> bool:
+            return True
+
+    with pytest.raises(ServiceBusy, match="prepared"):
+        await Patience(cast("Any", Gone()), app.state.services, PATIENCE).until_ready()
 
 
 async def test_openapi_documents_every_refusal(console):
@@ -170,7 +217,7 @@ async def test_service_without_a_built_console_says_so(tmp_path):
 
 
 async def test_service_starts_with_changes(tmp_path):
-    settings = Settings(data_dir=tmp_path, changes={"target": {"initial_spin": 0.6}})
+    settings = Settings(data_dir=tmp_path, configuration="published_figures", changes={"target": {"initial_spin": 0.6}})
     app = create_app(settings)
     async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost/api/v1") as http:
         body = (await http.get("/mission/config")).json()

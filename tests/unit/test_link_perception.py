@@ -11,7 +11,7 @@ from server.link.perception import BodyEstimate, Perception
 from server.link.streams import HISTORY_SPAN, OtherClock, Stream, WorstOf
 from server.link.wire import JointSample, PlaneSample
 from sim.config import FilterConfig
-from sim.configurations import named_configuration
+from sim.configurations import named_configuration, revised
 from sim.model.robot import chain, robot_model
 from sim.plant.plant import PLANT_STATE
 from sim.plant.pymunk_plant import PymunkPlant
@@ -84,7 +84,7 @@ def test_a_blow_is_followed_when_a_wrist_felt_it(settled):
 
 
 def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
-    perception = Perception(CONFIG, 0.12)
+    perception = Perception(CONFIG)
     plant = PymunkPlant(CONFIG)
     state = np.zeros(1, PLANT_STATE)[0]
     joints = JointSample(0, plant.state["joint_angle"].copy(), np.zeros((2, 3)))
@@ -98,13 +98,38 @@ def test_contact_begins_over_the_threshold_and_ends_under_half_of_it():
     assert told == [False, True, True, False, False]
 
 
+def test_the_threshold_is_that_of_the_configuration_in_force():
+    perception, plant, state = Perception(CONFIG), PymunkPlant(CONFIG), np.zeros(1, PLANT_STATE)[0]
+    joints = JointSample(0, plant.state["joint_angle"].copy(), np.zeros((2, 3)))
+    told = []
+    for threshold in (0.5, 0.3):
+        perception.configure(revised(CONFIG, {"perception": {"contact_threshold": threshold}}))
+        perception.take_wrench(0, PlaneSample(0, "left_hand", np.array([0.4, 0.0, 0.0])))
+        perception.write_state(joints, state)
+        told.append(bool(state["tip_contact"][0].any()))
+    assert told == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("changes", "kept"), [({"contact_threshold": 0.7}, True), ({"filter": {"position": 1e-3}}, False)]
+)
+def test_a_new_mission_keeps_what_was_seen_unless_its_filter_is_another(changes, kept):
+    perception, random = Perception(CONFIG), np.random.default_rng(3)
+    for stamp in range(0, 100 * PERIOD, PERIOD):
+        perception.take_base(_seen(stamp, random))
+        perception.take_target(_seen(stamp, random))
+    assert perception.complete
+    perception.begin(revised(CONFIG, {"perception": changes}))
+    assert perception.complete == kept
+
+
 @pytest.mark.parametrize("arm", [0, 1])
 @pytest.mark.parametrize("tip", [0, 1])
 def test_a_wrists_wrench_is_turned_into_the_worlds_axes_and_given_to_the_tip_that_explains_it(arm, tip):
     """A force at a tip, in the axes of a hand that stands turned: the same vector, written in the world's axes."""
     plant = PymunkPlant(CONFIG)
     angles = plant.state["joint_angle"] + np.array([[0.1, 0.2, -0.8], [-0.3, 0.1, 0.7]])
-    perception = Perception(CONFIG, 0.12)
+    perception = Perception(CONFIG)
     still = JointSample(0, angles, np.zeros((2, 3)))
     base = plant.state["base_pose"].copy()
     perception.take_base(PlaneSample(0, "world", base))
@@ -130,7 +155,7 @@ def test_a_state_that_is_told_back_is_the_state():
     plant = PymunkPlant(CONFIG)
     for _ in range(40):
         truth = after(plant, np.array([[0.2, -0.1, 0.3], [0.1, 0.2, -0.3]]))
-    perception = Perception(CONFIG, 0.1)
+    perception = Perception(CONFIG)
     joints = JointSample(0, truth["joint_angle"].copy(), np.zeros((2, 3)))
     for step in range(120):
         stamp = step * PERIOD // 2

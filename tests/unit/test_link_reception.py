@@ -74,9 +74,7 @@ class Console:
         wrists = expected.pop("wrists", (WristFrame(frame="left_hand"), WristFrame(frame="right_hand")))
         expectations = Expectations(Bounds(), "world", wrists, expected.pop("detect_freeze", False))
         self.identity = Identity()
-        self.reception = Reception(
-            CONSOLE, expectations, self.identity, Perception(CONFIG, 0.12), time, lambda: DEADLINE
-        )
+        self.reception = Reception(CONSOLE, expectations, self.identity, Perception(CONFIG), time, lambda: DEADLINE)
         self.ears = cast(Any, Ears())
         self.acknowledged = []
         self.reception.listen(self.ears, self.acknowledged.append)
@@ -159,6 +157,23 @@ def _pose(quaternion=(0.0, 0.0, 0.0, 1.0), place=(0.0, 0.35, 0.0), frame="world"
         return wire._stamped(PlaneSample(stamp - late, frame, np.zeros(3)), "geometry_msgs/msg/PoseStamped", pose)
 
     return made
+
+
+@pytest.mark.parametrize(
+    ("stream", "refused", "name"),
+    [
+        ("target", _pose(place=(0.1, 0.35, 0.0)), "target pose"),
+        ("base", _pose(late=500 * MS), "base pose"),
+        ("left", _wrench(late=500 * MS), "left wrist wrench"),
+        ("mode", lambda _: b"rubbish", "robot mode"),
+    ],
+)
+def test_a_silence_is_not_blamed_on_what_was_refused_before_it(console, stream, refused, name):
+    console.periods(1, **{stream: refused})
+    console.periods(1)
+    console.periods(70, **{stream: lambda _: None})
+    assert sum(each.count for each in console.reception.refusals.values()) == 1
+    assert console.trouble == f"no {name} for 350 ms"
 
 
 @pytest.mark.parametrize(

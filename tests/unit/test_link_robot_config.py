@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from server.link.zenoh_plant import require_robot_config
+from server.link.robot_link import LinkSettings, RobotLink
+from server.link.session import Transport
+from server.link.zenoh_plant import ZenohPlant, require_robot_config
 from sim.configurations import named_configuration, nested, revised
-from sim.errors import ConfigError
+from sim.errors import ConfigError, MissionRefused
 
 TESTBED = named_configuration("testbed")
 
@@ -17,10 +19,23 @@ def test_the_testbed_is_flown() -> None:
 
 @pytest.mark.parametrize(
     ("path", "value"),
-    [("control.period", 1e-3), ("perception.noise.force", 0.02), ("perception.source", "motion_capture")],
+    [
+        ("control.period", 1e-3),
+        ("perception.noise.force", 0.02),
+        ("perception.source", "motion_capture"),
+        ("perception.imperfections.force_bias", 0.1),
+    ],
 )
 def test_another_period_and_simulated_sensors_are_refused_by_name(path: str, value: object) -> None:
     """A robot's readings are perceived already: noise or the filter on top would be a second time."""
     with pytest.raises(ConfigError, match=path.replace(".", r"\.")) as refused:
         require_robot_config(revised(TESTBED, nested({path: value})))
     assert refused.value.tip
+
+
+def test_a_mission_that_is_refused_changes_nothing_of_how_the_present_one_perceives() -> None:
+    link = RobotLink(LinkSettings(transport=Transport(connect=("tcp/127.0.0.1:1",))), TESTBED)
+    other = revised(TESTBED, {"perception": {"contact_threshold": 0.7}})
+    with pytest.raises(MissionRefused, match="no robot is heard"):
+        ZenohPlant(link, other)
+    assert link.contact_threshold == TESTBED.perception.contact_threshold != 0.7

@@ -15,6 +15,7 @@ SHAPES = (
     {"shape": "square"},
     {"shape": "rectangle"},
     {"shape": "regular_polygon", "sides": 5},
+    {"shape": "polygon", "vertices": [[0.0, 0.0], [0.14, 0.0], [0.11, 0.10], [0.0, 0.13]]},
     {"shape": "circle"},
 )
 every_target = pytest.mark.parametrize("target", SHAPES, ids=lambda target: target["shape"])

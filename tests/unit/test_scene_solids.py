@@ -1,11 +1,13 @@
 """Solids are closed, face outwards, and keep to their measures; the file that carries them is glTF."""
 
+import io
 import json
 import math
 import struct
 
 import numpy as np
 import pytest
+import trimesh
 
 from server.scene import solids
 from server.scene.glb import glb, linear
@@ -102,19 +104,29 @@ def test_nothing_reaches_through_the_table():
     assert low[2] + height >= 0.0
 
 
-def test_the_file_is_gltf_whose_accessors_fit_its_buffer():
+def test_the_file_is_gltf_with_a_mesh_and_its_exact_material_for_all_parts_of_one():
     content = glb([(solids.ball(0.1), SHELL), (solids.ball(0.2), GRAPHITE), (solids.ball(0.3), SHELL)])
     magic, version, length = struct.unpack_from("<III", content)
     assert (magic, version, length) == (0x46546C67, 2, len(content))
     text_length, _ = struct.unpack_from("<II", content, 12)
     document = json.loads(content[20 : 20 + text_length])
-    assert len(document["materials"]) == len(document["meshes"][0]["primitives"]) == 2
-    binary = content[20 + text_length + 8 :]
-    for view in document["bufferViews"]:
-        assert view["byteOffset"] % 4 == 0
-        assert view["byteOffset"] + view["byteLength"] <= len(binary)
-    position = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
-    assert document["accessors"][position]["max"] == pytest.approx([0.3, 0.3, 0.3], abs=2e-3)
+    assert len(document["materials"]) == len(document["meshes"]) == 2
+    for radius, material, mesh in zip((0.3, 0.2), (SHELL, GRAPHITE), document["meshes"], strict=True):
+        (primitive,) = mesh["primitives"]
+        surface = document["materials"][primitive["material"]]["pbrMetallicRoughness"]
+        assert surface["baseColorFactor"] == [*linear(material.colour), material.opacity]
+        position, normal = (document["accessors"][primitive["attributes"][each]] for each in ("POSITION", "NORMAL"))
+        assert position["max"] == pytest.approx([radius] * 3, abs=2e-3)
+        assert normal["count"] == position["count"]
+
+
+def test_the_file_is_read_again_with_the_normals_that_it_was_given():
+    solid = solids.ball(0.1)
+    scene = trimesh.load_scene(io.BytesIO(glb([(solid, SHELL)])), file_type="glb")
+    (mesh,) = scene.geometry.values()
+    assert np.asarray(mesh.vertices) == pytest.approx(solid.vertices, abs=1e-7)
+    assert np.asarray(mesh.vertex_normals) == pytest.approx(solid.normals, abs=1e-6)
+    assert np.array_equal(mesh.faces, solid.faces)
 
 
 def test_colours_become_linear_light():

@@ -4,16 +4,33 @@ from __future__ import annotations
 
 import asyncio
 import json
+from typing import Any, NamedTuple
 
 import pytest
 
-from server.mission.feed import CAPACITY, WINDOW, Feed, FeedMessage, Subscriber
+from server.mission.feed import CAPACITY, WINDOW, Feed, FeedMessage, Latest, Subscriber
+from server.published import Control, PlantStatus
+from sim.capture.mission import Mission
+from sim.config import MissionConfig
+from sim.control.phases import Phase
+from sim.snapshot import Snapshot
 
 RATE = 60.0
 
 
-def _snapshot(tick: int, made_at: float | None = None) -> FeedMessage:
-    return FeedMessage("snapshot", str(tick), tick, tick / RATE if made_at is None else made_at)
+class _Snapshot(Latest):
+    """A snapshot that is its tick's number and nothing else."""
+
+    def __init__(self, tick: int, made_at: float) -> None:
+        self.tick, self.made_at = tick, made_at
+
+    @property
+    def text(self) -> str:
+        return str(self.tick)
+
+
+def _snapshot(tick: int, made_at: float | None = None) -> Latest:
+    return _Snapshot(tick, tick / RATE if made_at is None else made_at)
 
 
 def _event(number: int) -> FeedMessage:
@@ -106,6 +123,32 @@ async def test_a_reset_forgets_what_was_not_acknowledged_and_what_waits_of_the_o
 async def _take_what_waits(subscriber: Subscriber) -> None:
     if subscriber.waiting:
         await _drained(subscriber)
+
+
+async def test_a_snapshot_is_made_once_for_all_who_look_and_for_nobody_else():
+    made = []
+
+    class View(NamedTuple):
+        flown: Any
+        phase: Phase
+
+        def snapshot(self) -> Snapshot:
+            made.append(self.flown)
+            return Mission(MissionConfig()).snapshot()
+
+    plant = PlantStatus(running=True, speed=1.0, lateness=0.0, real_time_factor=1.0)
+    of_service = {
+        "made_at": "now", "service_time": 5.0, "robot": None, "run_id": "one", "configuration": "published",
+        "plant": plant, "commands": {}, "control": Control(), "arming_needed": (), "armed": None, "problems": (),
+    }  # fmt: skip
+    latest = Latest(View(Mission(MissionConfig()).flown(), Phase.IDLE), of_service)  # type: ignore[arg-type]
+    feed = Feed()
+    feed.publish(latest)
+    assert (latest.run_id, latest.phase, latest.tick, latest.made_at) == ("one", "idle", 0, 5.0)
+    assert made == []
+    assert json.loads(latest.text)["run_id"] == latest.snapshot.run_id == "one"
+    assert latest.text == '{"type":"snapshot",' + latest.encoded[1:]
+    assert len(made) == 1
 
 
 async def test_feed_reaches_every_subscriber_from_another_thread():

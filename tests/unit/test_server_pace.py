@@ -58,6 +58,45 @@ def test_lateness_is_that_of_the_last_second():
     assert pace.lateness(1.2) == pytest.approx(0.0, abs=1e-3)
 
 
+def test_what_is_flown_ahead_is_not_late_and_the_schedule_stays():
+    pace = Pace(PERIOD, 0.0)
+    flown = []
+    for now in (0.0, 0.0167, 0.0334, 0.0600):  # the last wake-up comes later than what was flown ahead
+        flown.append(pace.due(now, resting=False, ahead=0.02))
+        pace.flown(flown[-1], now)
+    assert flown == [20, 16, 17, 27]
+    assert pace.lateness(0.06) == pytest.approx(0.06 - 0.054)
+    assert sum(pace.lateness_counts) == 4
+    assert pace.lateness_counts[0] == 3
+
+
+def test_letting_it_run_again_and_again_gains_no_time():
+    pace = Pace(PERIOD, 0.0)
+    flown = 0
+    for turn in range(100):
+        pace.run(1.0, 0.001 * turn)
+        due = pace.due(0.001 * turn, resting=False, ahead=0.02)
+        pace.flown(due, 0.001 * turn)
+        flown += due
+    assert flown == pytest.approx(99 + 20, abs=2)
+
+
+def test_pausing_it_again_and_again_gains_no_time():
+    """Of 100 ms in which the clock runs, one at a time between pauses of a second, it flies 100 and what is ahead."""
+    pace, now, flown = Pace(PERIOD, 0.0), 0.0, 0
+    for _ in range(100):
+        pace.run(1.0, now)
+        for _ in range(2):
+            due = pace.due(now, resting=False, ahead=0.02)
+            pace.flown(due, now)
+            flown += due
+            now += 0.0005
+        pace.pause(now)
+        pace.pause(now + 0.5)
+        now += 1.0
+    assert flown == pytest.approx(120, abs=1)
+
+
 def test_full_speed_flies_a_batch_unless_nothing_is_under_way():
     pace = Pace(PERIOD, 0.0)
     pace.run(0.0, 0.0)
@@ -68,7 +107,7 @@ def test_full_speed_flies_a_batch_unless_nothing_is_under_way():
 
 def test_a_paused_clock_flies_what_is_stepped():
     pace = Pace(PERIOD, 0.0)
-    pace.pause()
+    pace.pause(0.0)
     assert _fly(pace, 5.0) == 0
     pace.steps_left = FAST_BATCH + 3
     assert [_fly(pace, 5.0) for _ in range(3)] == [FAST_BATCH, 3, 0]

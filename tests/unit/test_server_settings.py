@@ -11,7 +11,7 @@ from sim.schema_history import removed, renamed
 
 def test_defaults_listen_on_loopback_only():
     settings = Settings.from_environment({})
-    assert (settings.host, settings.port, settings.configuration) == ("127.0.0.1", 8000, "published_figures")
+    assert (settings.host, settings.port, settings.configuration) == ("127.0.0.1", 8000, "becalm")
     assert "localhost" in settings.own_hosts()
 
 
@@ -34,7 +34,9 @@ def test_allowed_hosts():
     assert set(settings.own_hosts()) >= {"lab.example", "console.example", "localhost"}
 
 
-@pytest.mark.parametrize(("name", "value"), [("port", "many"), ("port", "70000"), ("plant", "robot")])
+@pytest.mark.parametrize(
+    ("name", "value"), [("port", "many"), ("port", "70000"), ("plant", "robot"), ("log_topic_rate", "0")]
+)
 def test_a_setting_that_cannot_be_is_named(name, value):
     with pytest.raises(ConfigError, match=f"{name} = '{value}'"):
         Settings.from_environment({f"BECALM_{name.upper()}": value})
@@ -78,6 +80,21 @@ def test_changes_written_for_an_earlier_version_are_found_and_what_is_ignored_is
     assert chosen.settings.changes == {"published": {"impedance": {"damping": 3.0}}}
     assert chosen.notices == (f"settings file {str(file)!r}: target.colour is ignored: nobody sees it",)
     assert chosen.settings.initial_config().published.impedance.damping == 3.0
+
+
+def test_a_setting_that_has_become_a_parameter_is_refused_with_where_it_belongs(tmp_path):
+    file = tmp_path / "lab.toml"
+    file.write_text("contact_threshold = 0.2\n")
+    with pytest.raises(ConfigError, match=r"contact_threshold .*lab\.toml.*parameter perception\.contact_threshold"):
+        choose({}, file)
+    with pytest.raises(ConfigError, match=r"contact_threshold .*BECALM_CONTACT_THRESHOLD.*perception"):
+        choose({"BECALM_CONTACT_THRESHOLD": "0.2"})
+
+
+def test_what_is_given_to_the_class_itself_is_all_there_is(monkeypatch):
+    monkeypatch.setenv("BECALM_PORT", "9000")
+    assert Settings().port == 8000
+    assert Settings.from_environment().port == 9000
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from becalm.typed import parse_setting, read_number
+from becalm.typed import parse_setting, read_number, read_points
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.errors import ConfigError
 
-CASES = json.loads((Path(__file__).parents[2] / "web/src/units/numbers.cases.json").read_text())["numbers"]
+UNITS = Path(__file__).parents[2] / "web/src/units"
+CASES = json.loads((UNITS / "numbers.cases.json").read_text())["numbers"]
+POINT_CASES = json.loads((UNITS / "points.cases.json").read_text())
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["text"])
@@ -23,6 +25,16 @@ def test_a_number_is_read_or_refused_as_on_the_page(case):
         assert str(refused.value) == case["error"]
     else:
         assert read_number(case["text"]) == case["value"]
+
+
+@pytest.mark.parametrize("case", POINT_CASES, ids=lambda case: case["text"])
+def test_points_are_read_or_refused_as_on_the_page(case):
+    if "error" in case:
+        with pytest.raises(ConfigError) as refused:
+            read_points(case["text"])
+        assert str(refused.value) == case["error"]
+    else:
+        assert read_points(case["text"]) == case["points"]
 
 
 def test_a_whole_number_is_exact_on_the_command_line():
@@ -39,6 +51,8 @@ def test_a_whole_number_is_exact_on_the_command_line():
         ("simulation.seed=1e3", "simulation.seed", 1000),
         ("contact.corner=radial", "contact.corner", "radial"),
         ('contact.corner="radial"', "contact.corner", "radial"),
+        ("target.vertices=0,0; .2,0; 0,.1", "target.vertices", [[0.0, 0.0], [0.2, 0.0], [0.0, 0.1]]),
+        ("target.vertices=[[0, 0], [0.2, 0], [0, 0.1]]", "target.vertices", [[0.0, 0.0], [0.2, 0.0], [0.0, 0.1]]),
     ],
 )
 def test_a_setting_is_what_its_parameter_takes(setting, path, value):
@@ -58,6 +72,7 @@ def test_a_setting_is_what_its_parameter_takes(setting, path, value):
         ("target.mass=true", '"true" is not a number'),
         ("target.mass=[1]", "not a number"),
         ("target.mass=NaN", "not a finite number"),
+        ("target.vertices=0 0; 1", r"--set target\.vertices = .*point 2, \"1\", is not two numbers.*\[m\]"),
     ],
 )
 def test_a_setting_that_cannot_be_names_path_and_what_to_write(setting, words):
