@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -14,15 +14,20 @@ import httpx
 import pyarrow.parquet
 from pydantic import BaseModel
 
+from server.api.atlases import AtlasDetail
 from server.api.config import ConfigBody
+from server.api.fits import FitDetail
 from server.api.health import Health
 from server.api.mission import Arming
+from server.api.presets import KeptPreset
+from server.api.rehearsals import RehearsalDetail
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
 from server.mission.arming import TO_BE_ARMED
 from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
+from server.rehearsals.look_ahead import LookAheadView
 from sim.errors import CaptureError
 
 if TYPE_CHECKING:
@@ -273,3 +278,118 @@ def cancel_study(study_id: str) -> Call[StudyDetail]:
 def results(study_id: str) -> Call[DataFrame]:
     """The table of a study, a row a cell. Needs pandas."""
     return Call("GET", _at("studies", study_id, "results"), _dataframe, query={"format": "parquet"})
+
+
+def start_rehearsal(
+    changes: Mapping[str, Any] | None = None,
+    *,
+    run: str | None = None,
+    at: float | None = None,
+    request: str | None = "capture",
+    futures: int = 100,
+    seed: int = 0,
+    **further: Any,
+) -> Call[RehearsalDetail]:
+    """Rehearse from the live mission's state now, or from that of a run `at` a mission time [s].
+
+    Args:
+        changes: nested, to the configuration in force there; with them it is flown as it is and as changed.
+        run: of the library.
+        at: mission time in that run [s]; its start without one.
+        request: capture, cage or direct_cage; None goes on with what is under way.
+        futures: of each configuration.
+        seed: the same gives the same futures.
+        further: `horizon` [s], `uncertainty` (a mapping), `asker`.
+
+    """
+    body = {**_from_state(changes, run, at, request, seed), "futures": futures, **further}
+    return Call("POST", "rehearsals", _as(RehearsalDetail), body)
+
+
+def _from_state(
+    changes: Mapping[str, Any] | None, run: str | None, at: float | None, request: str | None, seed: int
+) -> dict[str, Any]:
+    source: Any = "live" if run is None else {"run": run, "at": 0.0 if at is None else float(at)}
+    return {"source": source, "changes": dict(changes or {}), "request": request, "seed": seed}
+
+
+def rehearsal(rehearsal_id: str) -> Call[RehearsalDetail]:
+    """A rehearsal: how far it is, and its `result` once it has finished."""
+    return Call("GET", _at("rehearsals", rehearsal_id), _as(RehearsalDetail))
+
+
+def cancel_rehearsal(rehearsal_id: str) -> Call[RehearsalDetail]:
+    """End a rehearsal that waits or flies."""
+    return Call("POST", _at("rehearsals", rehearsal_id, "cancel"), _as(RehearsalDetail))
+
+
+def futures(rehearsal_id: str) -> Call[DataFrame]:
+    """The futures of a rehearsal that has finished, a row each: what was drawn, and how it ended. Needs pandas."""
+    return Call("GET", _at("rehearsals", rehearsal_id, "result"), _dataframe, query={"format": "parquet"})
+
+
+def look_ahead() -> Call[LookAheadView]:
+    """Go or no-go for the request that would come next; it is made while somebody asks."""
+    return Call("GET", "rehearsals/look-ahead", _as(LookAheadView))
+
+
+def start_atlas(
+    x: Mapping[str, Any],
+    y: Mapping[str, Any],
+    changes: Mapping[str, Any] | None = None,
+    *,
+    run: str | None = None,
+    at: float | None = None,
+    request: str | None = "capture",
+    futures: int = 3,
+    seed: int = 0,
+    **further: Any,
+) -> Call[AtlasDetail]:
+    """Fly a map over two parameters, each such as {"path": "target.mass", "from": 1, "to": 4, "count": 11}.
+
+    The other arguments are those of `start_rehearsal`; `futures` are of each cell.
+    """
+    body = {**_from_state(changes, run, at, request, seed), "x": dict(x), "y": dict(y), "futures": futures, **further}
+    return Call("POST", "atlases", _as(AtlasDetail), body)
+
+
+def atlas(atlas_id: str, after: int = 0) -> Call[AtlasDetail]:
+    """An atlas, with the cells that came after that revision."""
+    return Call("GET", _at("atlases", atlas_id), _as(AtlasDetail), query={"after": after})
+
+
+def cancel_atlas(atlas_id: str) -> Call[AtlasDetail]:
+    """End an atlas; the cells that are there stay."""
+    return Call("POST", _at("atlases", atlas_id, "cancel"), _as(AtlasDetail))
+
+
+def start_fit(
+    *runs: str, parameters: Sequence[str] | None = None, held_out: Sequence[str] = (), **further: Any
+) -> Call[FitDetail]:
+    """Find which numbers explain these runs of the library together.
+
+    Args:
+        runs: identifiers.
+        parameters: names of what is fitted; without them what usually is.
+        held_out: runs whose peak forces are only foretold.
+        further: `asker`.
+
+    """
+    chosen = None if parameters is None else list(parameters)
+    body = {"runs": list(runs), "parameters": chosen, "held_out": list(held_out), **further}
+    return Call("POST", "fits", _as(FitDetail), body)
+
+
+def fit(fit_id: str) -> Call[FitDetail]:
+    """A fit: how far it is, and its `result` once it has finished."""
+    return Call("GET", _at("fits", fit_id), _as(FitDetail))
+
+
+def cancel_fit(fit_id: str) -> Call[FitDetail]:
+    """End a fit that waits or goes on."""
+    return Call("POST", _at("fits", fit_id, "cancel"), _as(FitDetail))
+
+
+def keep_fit(fit_id: str, name: str) -> Call[KeptPreset]:
+    """Keep the first run's configuration with the fitted values as a preset of that name."""
+    return Call("POST", _at("fits", fit_id, "preset"), _as(KeptPreset), {"name": name})

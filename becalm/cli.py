@@ -21,6 +21,7 @@ from becalm.tokens import token
 from becalm.typed import number_option, parse_setting
 from server.settings import Settings, choose
 from server.versions import becalm_version
+from sim.config import MissionConfig
 from sim.configurations import (
     DEFAULT_CONFIGURATION,
     merged,
@@ -35,6 +36,9 @@ EXAMPLES = """\b
 Examples:
   becalm serve                 start the console and open its page
   becalm run --json            fly one capture headless
+  becalm rehearse latest --at 0
+                               odds of a capture from a recorded state
+  becalm fit latest            which numbers explain a recorded run
   becalm study published --out published.csv
                                fly the paper's parametric study on all cores
   becalm reproduce --out reproduction
@@ -72,6 +76,7 @@ Examples:
   becalm run --direct --json
   becalm run --configuration published_figures --log capture.mcap
   becalm run --set target.initial_spin=0.8 --set published.impedance.mass=0.05 --seed 7
+  becalm run --configuration published_figures --cross-check
 """
 
 ROBOT_EXAMPLES = """\b
@@ -92,6 +97,49 @@ Examples:
   becalm replay latest --json
 
 Ends with 1 if anything differs, by a single bit.
+"""
+
+REHEARSE_EXAMPLES = """\b
+Examples:
+  becalm rehearse latest --at 0
+  becalm rehearse 20261122T113000123-4f9a2c --at 2.5 --set published.impedance.damping=6
+  becalm rehearse latest --at 0 --request capture --futures 1000 --uncertainty lab.toml --json
+
+\b
+An uncertainty file (TOML or JSON) names what differs from the model's defaults (docs/rehearsal.md):
+  target_inertia = 0.3         # relative
+  friction = 0.1               # either way
+"""
+
+FIT_EXAMPLES = """\b
+Examples:
+  becalm fit latest
+  becalm fit 20261122T113000123-4f9a2c --parameters contact.stiffness,contact.damping --out fit.html
+  becalm fit RUN RUN --held-out RUN --keep-as "as the robot is" --json
+
+\b
+What can be fitted: parameters of contact, servos, base and target by their full paths,
+perception.capture.stamp_error, command.delay, table.drag, table.tilt_x, table.tilt_y,
+wrist.left.gain, wrist.left.bias_x, .bias_y, .bias_torque, and those of the right (docs/fit.md).
+"""
+
+IMPORT_EXAMPLES = """\b
+Examples:
+  becalm import monday.csv --map lab.toml
+  becalm import bag.mcap --map lab.toml --json
+
+\b
+A map (TOML) says which column, or in MCAP which TOPIC:PATH, is what (docs/fit.md):
+  configuration = "testbed"
+  time = { source = "t", unit = "s" }
+  [joint_angle]
+  left = ["q1", "q2", "q3"]
+  right = ["q4", "q5", "q6"]
+  unit = "rad"
+  [base_pose]
+  x = "base_x"
+  y = "base_y"
+  angle = "base_yaw"
 """
 
 STUDY_EXAMPLES = """\b
@@ -250,6 +298,12 @@ def serve(
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the run's random numbers.")
 @click.option("--log", type=click.Path(path_type=Path), help="Write every tick to this .mcap, .parquet or .csv file.")
 @click.option("--json", "as_json", is_flag=True, help="Print the outcome as one JSON document.")
+@click.option(
+    "--cross-check",
+    "checks",
+    is_flag=True,
+    help="Fly it in both engines, keep nothing, and say where they part; exit code 1 if they do not agree.",
+)
 def run(
     *,
     direct: bool,
@@ -259,22 +313,38 @@ def run(
     seed: int | None,
     log: Path | None,
     as_json: bool,
+    checks: bool,
 ) -> None:
     """Fly one capture headless, as fast as it goes, and keep it in the library of runs."""
+    if checks and log is not None:
+        raise click.UsageError("--cross-check keeps no ticks: --log does not go with it")
     changes = _changes(file, settings)
     if seed is not None:
         changes = merged(changes, {"simulation": {"seed": seed}})
     config = revised(named_configuration(configuration), changes)
+    if checks:
+        _cross_check(config, direct=direct, as_json=as_json)
+        return
     from becalm import running, summary  # noqa: PLC0415 - the simulation takes a second to load
     from server.library.runs import RunStore  # noqa: PLC0415
 
-    store = RunStore(Settings.from_environment().data_dir / "runs").make_root()
+    chosen = Settings.from_environment()
+    store = RunStore(chosen.data_dir / "runs", chosen.log_topic_rate).make_root()
     record = running.run(store, configuration, config, direct=direct, log=running.log_file(log) if log else None)
     assert record.outcome is not None, "a run without an outcome has raised"
     if as_json:
         click.echo(json.dumps(summary.as_document(record, record.outcome)))
     else:
         click.echo(summary.as_text(record, record.outcome))
+
+
+def _cross_check(config: MissionConfig, *, direct: bool, as_json: bool) -> None:
+    from becalm import cross_checking  # noqa: PLC0415 - the simulation takes a second to load
+
+    found = cross_checking.checked(config, direct=direct)
+    click.echo(found.model_dump_json() if as_json else cross_checking.as_text(found))
+    if not found.same:
+        sys.exit(1)
 
 
 @main.command(epilog=REPLAY_EXAMPLES, short_help="Fly a recorded run again and compare every tick.")
@@ -295,6 +365,114 @@ def replay(*, run_id: str, as_json: bool) -> None:
         sys.exit(1)
 
 
+@main.command(epilog=REHEARSE_EXAMPLES, short_help="Show with odds what a command or an edit would do from a state.")
+@click.argument("run_id", metavar="RUN")
+@click.option("--at", type=number_option, help="Mission time of the state [s].  [default: the run's last tick]")
+@click.option(
+    "--request",
+    type=click.Choice(["capture", "cage", "direct_cage", "continue"]),
+    help="What each future begins with.  [default: goes on with what is under way, else capture]",
+)
+@_configured
+@click.option("--futures", type=int, default=100, show_default=True, help="Futures, of each configuration.")
+@click.option("--seed", type=int, default=0, show_default=True, help="The same seed gives the same futures.")
+@click.option("--horizon", type=number_option, default=20.0, show_default=True, help="Of mission time, at most [s].")
+@click.option("--uncertainty", type=click.Path(path_type=Path), help="TOML or JSON file of what is how unsure.")
+@click.option("--threads", type=click.IntRange(min=1), help="That fly the futures.  [default: one a core]")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON document.")
+def rehearse(
+    *,
+    run_id: str,
+    at: float | None,
+    request: str | None,
+    file: Path | None,
+    settings: tuple[str, ...],
+    futures: int,
+    seed: int,
+    horizon: float,
+    uncertainty: Path | None,
+    threads: int | None,
+    as_json: bool,
+) -> None:
+    """Fly many futures from a recorded state of RUN (an identifier, or `latest`), as it is and with --set as changed.
+
+    Each future draws what is not known for sure: motion, inertia, friction, servos, noise. Nothing is kept.
+    """
+    changes = _changes(file, settings)
+    from becalm import rehearsing  # noqa: PLC0415 - the simulation takes a second to load
+    from server.library.runs import RunStore  # noqa: PLC0415
+
+    store = RunStore(Settings.from_environment().data_dir / "runs")
+    result = rehearsing.rehearsed(
+        store.latest() if run_id == "latest" else store.read(run_id),
+        at,
+        changes,
+        request=request,
+        futures=futures,
+        seed=seed,
+        horizon=horizon,
+        uncertainty=rehearsing.uncertainty_in(uncertainty),
+        threads=threads,
+    )
+    click.echo(result.model_dump_json() if as_json else rehearsing.as_text(result))
+
+
+@main.command(epilog=FIT_EXAMPLES, short_help="Find which numbers explain recorded runs, and how surely.")
+@click.argument("run_ids", metavar="RUN...", nargs=-1, required=True)
+@click.option("--parameters", metavar="NAMES", multiple=True, help="What is fitted: names, with commas; repeatable.")
+@click.option("--held-out", metavar="RUN", multiple=True, help="A run whose peak forces are only foretold; repeatable.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write a report to this file: .html, .pdf or .json.")
+@click.option("--keep-as", metavar="PRESET", help="Keep the configuration with the fitted values by this name.")
+@click.option("--threads", type=click.IntRange(min=1), help="That fly rollouts.  [default: one a core]")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON document.")
+def fit(
+    *,
+    run_ids: tuple[str, ...],
+    parameters: tuple[str, ...],
+    held_out: tuple[str, ...],
+    out: Path | None,
+    keep_as: str | None,
+    threads: int | None,
+    as_json: bool,
+) -> None:
+    """Find the values of contact, servos, target, table and sensors that explain each RUN (or `latest`), all together.
+
+    Rollouts under the recorded commands, by least squares. What the runs do not tell stays as configured, and is said.
+    """
+    from becalm import fitting  # noqa: PLC0415 - the simulation takes a second to load
+    from server.library.runs import RunStore  # noqa: PLC0415
+
+    fitting.require_writable(out)
+    fitting.require_name(keep_as)
+    data = Settings.from_environment().data_dir
+    store = RunStore(data / "runs")
+    runs, kept = (
+        [store.latest() if each == "latest" else store.read(each) for each in ids] for ids in (run_ids, held_out)
+    )
+    names = [name.strip() for each in parameters for name in each.split(",")] or None
+    result = fitting.fitted(runs, names, kept, threads)
+    if out is not None:
+        out.write_bytes(fitting.WRITERS[out.suffix](result))
+    if keep_as is not None:
+        fitting.keep(data, keep_as, runs[0], result)
+    click.echo(result.model_dump_json() if as_json else fitting.as_text(result))
+
+
+@main.command("import", epilog=IMPORT_EXAMPLES, short_help="Make a run of a log from elsewhere, CSV or MCAP.")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--map", "map_file", type=click.Path(path_type=Path), required=True, help="TOML: which column is what.")
+@click.option("--json", "as_json", is_flag=True, help="Print what became of it as one JSON document.")
+def import_log(*, file: Path, map_file: Path, as_json: bool) -> None:
+    """Import FILE as a run of the library: plots, replay, comparison and fit work on it.
+
+    Gaps, clock steps and values that are not numbers are reported; units that cannot be right are asked about.
+    """
+    from becalm import importing  # noqa: PLC0415 - what reads logs takes a second to load
+
+    done = importing.import_log(Settings.from_environment().data_dir, file, map_file)
+    click.echo(done.model_dump_json() if as_json else importing.as_text(done))
+
+
 @main.command(epilog=STUDY_EXAMPLES, short_help="Fly many captures that differ in chosen parameters, on all cores.")
 @click.argument("name_or_file")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Write the table to this file.")
@@ -305,7 +483,7 @@ def replay(*, run_id: str, as_json: bool) -> None:
     help="Of the table.  [default: by the file's suffix]",
 )
 @_configured
-@click.option("--workers", type=click.IntRange(min=1), help="Worker processes.  [default: one a core]")
+@click.option("--workers", type=click.IntRange(min=1), help="Workers, threads or processes.  [default: one a core]")
 @click.option(
     "--scheduler",
     envvar="BECALM_SCHEDULER",
@@ -339,7 +517,7 @@ def study(
 
     output = studying.output_file(out, table_format)
     chosen = studying.chosen_study(name_or_file, changes, seed)
-    flown_by = studying.chosen_workers(workers, scheduler)
+    flown_by = studying.chosen_workers(chosen, workers, scheduler)
     report = studying.fly(chosen, output, flown_by, confirmed=yes, replace=force)
     if as_json:
         click.echo(json.dumps(studying.as_document(report)))

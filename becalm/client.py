@@ -30,6 +30,9 @@ from websockets.sync.client import connect
 
 from becalm import calls
 from becalm.calls import ArmedCall, Call, ProxyUnusable, ServiceRefused, ServiceUnreachable, read_answer
+from server.api.atlases import AtlasDetail
+from server.api.fits import FitDetail
+from server.api.rehearsals import RehearsalDetail
 from server.api.runs import Run, RunSummary
 from server.api.studies import StudyDetail
 from server.published import MissionSnapshot
@@ -195,6 +198,18 @@ class Client:
     study = _sync(calls.study)
     cancel_study = _sync(calls.cancel_study)
     results = _sync(calls.results)
+    start_rehearsal = _sync(calls.start_rehearsal)
+    rehearsal = _sync(calls.rehearsal)
+    cancel_rehearsal = _sync(calls.cancel_rehearsal)
+    start_fit = _sync(calls.start_fit)
+    fit = _sync(calls.fit)
+    cancel_fit = _sync(calls.cancel_fit)
+    keep_fit = _sync(calls.keep_fit)
+    futures = _sync(calls.futures)
+    look_ahead = _sync(calls.look_ahead)
+    start_atlas = _sync(calls.start_atlas)
+    atlas = _sync(calls.atlas)
+    cancel_atlas = _sync(calls.cancel_atlas)
 
     def __init__(self, address: str | None = None, token: str | None = None) -> None:
         """Connect to nothing yet.
@@ -290,6 +305,42 @@ class Client:
             time.sleep(_rest(deadline))
         return found
 
+    def finished_rehearsal(self, rehearsal_id: str, patience: float = 600.0) -> RehearsalDetail:
+        """The rehearsal when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := self.rehearsal(rehearsal_id)).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
+    def finished_fit(self, fit_id: str, patience: float = 600.0) -> FitDetail:
+        """The fit when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := self.fit(fit_id)).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
+    def finished_atlas(self, atlas_id: str, patience: float = 600.0) -> AtlasDetail:
+        """The atlas when it has ended, with all its cells; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := self.atlas(atlas_id)).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
 
 class AsyncClient:
     """As `Client`, for `asyncio`."""
@@ -312,6 +363,18 @@ class AsyncClient:
     study = _async(calls.study)
     cancel_study = _async(calls.cancel_study)
     results = _async(calls.results)
+    start_rehearsal = _async(calls.start_rehearsal)
+    rehearsal = _async(calls.rehearsal)
+    cancel_rehearsal = _async(calls.cancel_rehearsal)
+    start_fit = _async(calls.start_fit)
+    fit = _async(calls.fit)
+    cancel_fit = _async(calls.cancel_fit)
+    keep_fit = _async(calls.keep_fit)
+    futures = _async(calls.futures)
+    look_ahead = _async(calls.look_ahead)
+    start_atlas = _async(calls.start_atlas)
+    atlas = _async(calls.atlas)
+    cancel_atlas = _async(calls.cancel_atlas)
 
     def __init__(self, address: str | None = None, token: str | None = None) -> None:
         """Connect to nothing yet; see `Client`."""
@@ -400,5 +463,41 @@ class AsyncClient:
         """
         deadline = time.monotonic() + patience
         while (found := await self.study(study_id)).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
+
+    async def finished_rehearsal(self, rehearsal_id: str, patience: float = 600.0) -> RehearsalDetail:
+        """The rehearsal when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := await self.rehearsal(rehearsal_id)).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
+
+    async def finished_fit(self, fit_id: str, patience: float = 600.0) -> FitDetail:
+        """The fit when it has ended; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := await self.fit(fit_id)).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
+
+    async def finished_atlas(self, atlas_id: str, patience: float = 600.0) -> AtlasDetail:
+        """The atlas when it has ended, with all its cells; waits for it.
+
+        Raises:
+            TimeoutError: it has not within `patience` [s].
+
+        """
+        deadline = time.monotonic() + patience
+        while (found := await self.atlas(atlas_id)).status in UNDER_WAY:
             await asyncio.sleep(_rest(deadline))
         return found

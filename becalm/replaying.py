@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -26,8 +27,9 @@ def replay(reader: RunReader) -> dict[str, Any]:
     if not reader.tick_count:
         raise MissionRefused(f"run {reader.record.id} holds no ticks", tip="becalm run flies one that does")
     click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
-    prepare()
     history = reader.history()
+    with suppress(CaptureError):  # that today's code refuses the configuration is what the comparison says
+        prepare(history.config)
     end = int(_last(reader)["tick"]) + 1
     return {
         "run_id": reader.record.id,

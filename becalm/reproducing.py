@@ -71,7 +71,7 @@ def reproduce(out: Path, workers: int, every: int, *, ablate: bool) -> dict[str,
     folder = Folder(out)
     folder.begin()
     _say("Preparing the simulation (the first time compiles for about half a minute)")
-    prepare()
+    prepare(named_configuration("published"))
     found = _flown(folder, workers, every, ablate=ablate)
     document = findings(found)
     _say("Flying the typical cells again")

@@ -98,7 +98,7 @@ def run_robot(
     shorten_switch_interval()
     if realtime:
         schedule_realtime()
-    prepare()
+    prepare(settings.config)
     emulator = RobotEmulator(settings)
     signal.signal(signal.SIGTERM, lambda *_: emulator.shutdown())
     signal.signal(signal.SIGINT, lambda *_: emulator.shutdown())

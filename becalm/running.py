@@ -14,7 +14,7 @@ from server.library.export import LogFormat, exported
 from server.library.record import RunRecord
 from server.library.runs import RunStore, new_record
 from server.library.scripted import fly
-from sim.capture.mission import prepare
+from server.process.realtime import shorten_switch_interval
 from sim.config import MissionConfig
 from sim.errors import ConfigError, PlantError
 from sim.files import replacing
@@ -53,8 +53,8 @@ def run(store: RunStore, configuration: str, config: MissionConfig, *, direct: b
         PlantError: the simulation failed; what was flown is in the library.
 
     """
+    shorten_switch_interval()
     click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
-    prepare(config.simulation.engine)
     record = new_record("scripted", display_name(configuration, config), config, direct=direct)
     store.create(record)
     record = fly(store, record, _progress())

@@ -111,7 +111,7 @@ def _logging(services: Services) -> Iterator[None]:
 
 def _moment(feed: Feed) -> Moment:
     latest = feed.latest
-    return Moment(None, None) if latest is None else Moment(latest.snapshot.run_id, latest.snapshot.tick)
+    return Moment(None, None) if latest is None else Moment(latest.run_id, latest.tick)
 
 
 def address(host: str, port: int) -> str:

@@ -6,6 +6,8 @@ import multiprocessing
 import sys
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,16 +15,21 @@ import click
 
 from server.studies.cluster import cluster_workers
 from sim.capture.mission import prepare
-from sim.errors import ConfigError
+from sim.config import Engine
+from sim.configurations import nested, revised
+from sim.errors import CaptureError, ConfigError
 from sim.reproduction.published import NAMED_STUDIES, Agreement, agreement, is_comparable
 from sim.study.cores import cores
-from sim.study.design import Study, altered, read_study
-from sim.study.executors import Workers, local_workers
+from sim.study.design import ENGINE, METHOD, Study, altered, read_study
+from sim.study.executors import Workers, local_threads, local_workers
 from sim.study.export import TableFormat, export
 from sim.study.flight import MANY_CELLS, Progress, StudyFlight, flight_time, in_words
 from sim.study.outcome_frequencies import OutcomeFrequency, outcome_frequencies
 from sim.study.summaries import MeasureSummary, measure_summaries
 from sim.study.table import StudyTable
+
+MOST_THREADS = 4
+"""More workers than that are processes: threads wait for one another in Python's part of a cell."""
 
 PROGRESS_STEP = 5.0
 """Between two lines of progress where the terminal cannot rewrite one [s]."""
@@ -102,8 +109,23 @@ def chosen_study(name_or_file: str, changes: Mapping[str, Any], seed: int | None
     return altered(study, changes, seed)
 
 
-def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
-    """Processes on this machine, or the workers of a cluster.
+def engines_of(study: Study) -> set[Engine]:
+    """The engines in which its cells fly."""
+    return {Engine(str(value)) for value in study.levels.get(ENGINE, (study.base.simulation.engine,))}
+
+
+def _prepare(study: Study) -> None:
+    """Compile what its cells run, before there are workers who would wait for each other."""
+    methods = study.levels.get(METHOD, (study.base.method,))
+    for engine, method in product(engines_of(study), methods):
+        with suppress(CaptureError):  # what cannot be flown as one cell may be as another: each says so in its row
+            prepare(revised(study.base, nested({ENGINE: engine, METHOD: method})), recorded=False)
+
+
+def chosen_workers(study: Study, count: int | None, scheduler: str | None) -> Workers:
+    """Threads of this process or others on this machine, or the workers of a cluster.
+
+    Few workers are threads, if all cells fly in the reduced engine: pymunk's library can end the process it is in.
 
     Raises:
         ConfigError: both are asked for, or the address is invalid.
@@ -111,7 +133,9 @@ def chosen_workers(count: int | None, scheduler: str | None) -> Workers:
 
     """
     if scheduler is None:
-        return local_workers(count or cores())
+        count = count or cores()
+        in_threads = count <= MOST_THREADS and engines_of(study) == {Engine.REDUCED}
+        return local_threads(count) if in_threads else local_workers(count)
     if count is not None:
         raise ConfigError(f"--workers {count}: a cluster has its own workers; give --workers or --scheduler")
     return cluster_workers(scheduler)
@@ -138,7 +162,7 @@ def fly(study: Study, output: Output, workers: Workers, *, confirmed: bool, repl
         raise ConfigError(f"--out {output.path} exists already", tip="give another name, or --force to start over")
     with StudyTable(output.unfinished, study, replace=replace) as table:
         click.echo("Preparing the simulation (the first time compiles for about half a minute)", err=True)
-        prepare(study.base.simulation.engine)
+        _prepare(study)
         resumed = len(table)
         if resumed:
             click.echo(f"Resuming: {resumed} of {study.count} cells are there already", err=True)

@@ -17,6 +17,7 @@ import click
 from sim.config import PARAMETERS
 from sim.configurations import bracketed_unit, nested, unknown_parameter
 from sim.errors import ConfigError
+from sim.parameters import Points
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _WHOLE = re.compile(r"[+-]?[0-9]+")
@@ -80,6 +81,32 @@ def _about_commas(text: str) -> str | None:
     return None
 
 
+def read_points(typed: str) -> list[list[float]]:
+    """Points, written as `0, 0; 0.2, 0; 0, 0.1`, one a line, or in the brackets of JSON.
+
+    Raises:
+        ConfigError: one of them is none; the message names it, counted from 1.
+
+    """
+    text = typed.translate(_PLAIN).strip()
+    if text.startswith("["):
+        text = re.sub(r"[\[\]]", " ", re.sub(r"\]\s*,\s*\[", ";", text))
+    written = [point for point in map(str.strip, re.split("[;\n]", text)) if point]
+    if not written:
+        raise ConfigError("points are missing; write them as 0, 0; 0.2, 0; 0, 0.1")
+    return [_read_point(place, point) for place, point in enumerate(written, 1)]
+
+
+def _read_point(place: int, written: str) -> list[float]:
+    parts = re.split(r"\s*,\s*|\s+", written)
+    if len(parts) != 2:
+        raise ConfigError(f'point {place}, "{written}", is not two numbers; write x and y, such as 0.2, 0.1')
+    try:
+        return [float(read_number(part)) for part in parts]
+    except ConfigError as error:
+        raise ConfigError(f"point {place}: {error}") from None
+
+
 def parse_setting(setting: str) -> dict[str, Any]:
     """`PATH=VALUE`, as `--set` takes it, to the nested mapping of one change.
 
@@ -96,12 +123,14 @@ def parse_setting(setting: str) -> dict[str, Any]:
     return nested({path: _value(path, text)})
 
 
-def _value(path: str, text: str) -> float | int | str:
+def _value(path: str, text: str) -> float | int | str | list[list[float]]:
     """The text as that parameter takes it."""
     kind: Any = PARAMETERS[path].annotation
     if isinstance(kind, type) and issubclass(kind, StrEnum):
         return text.strip().strip("\"'")
     try:
+        if kind == Points:
+            return read_points(text)
         value = read_number(text)
     except ConfigError as error:
         raise ConfigError(f"--set {path} = {text!r}: {error}{bracketed_unit(path)}") from None
