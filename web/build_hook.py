@@ -50,8 +50,8 @@ def install_command(web: Path) -> list[str]:
 def sources_digest(web: Path) -> str:
     """SHA-256 over the names and contents of everything that the console is built from."""
     digest = hashlib.sha256()
-    for path in sorted(source_files(web)):
-        digest.update(path.relative_to(web).as_posix().encode() + b"\0")
+    for path in [*sorted(source_files(web)), *sorted(documentation_files(web))]:
+        digest.update(path.relative_to(web.parent).as_posix().encode() + b"\0")
         digest.update(path.read_bytes() + b"\0")
     return digest.hexdigest()
 
@@ -59,6 +59,12 @@ def sources_digest(web: Path) -> str:
 def source_files(web: Path) -> list[Path]:
     """The files under `web` that are not made by the build."""
     return [path for path in web.rglob("*") if path.is_file() and IGNORED.isdisjoint(path.relative_to(web).parts)]
+
+
+def documentation_files(web: Path) -> list[Path]:
+    """The documentation, which the console serves as its help."""
+    docs = web.parent / "docs"
+    return [*docs.glob("*.md"), *docs.glob("images/*")]
 
 
 def is_built(static: Path, digest: str) -> bool:

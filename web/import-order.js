@@ -15,15 +15,21 @@ export const FEATURES = {
   control: ["access"],
   mission: ["glossary"],
   events: ["access"],
+  alarms: ["access", "control"],
   scene: ["access"],
   runs: ["glossary"],
-  commands: ["control", "mission"],
+  lookahead: [],
+  commands: ["control", "lookahead", "mission"],
   parameters: ["access", "commands", "control"],
   replay: ["mission", "scene"],
   plots: [],
+  rehearsal: ["access", "glossary", "parameters", "plots"],
   link: ["control", "plots"],
-  library: ["access", "commands", "events", "glossary", "plots", "replay", "runs"],
+  fit: ["access", "rehearsal"],
+  library: ["access", "commands", "events", "fit", "glossary", "plots", "rehearsal", "replay", "runs"],
+  overlay: ["glossary", "library", "plots"],
   studies: ["access", "commands", "glossary"],
+  atlas: ["access", "glossary", "parameters", "rehearsal", "studies"],
 };
 
 /** The folders that have files of their own: each feature is one. */

@@ -3,6 +3,7 @@ import { createRequire } from "node:module";
 import { dirname, join } from "node:path";
 import react from "@vitejs/plugin-react";
 import { build, defineConfig, type Plugin } from "vite";
+import { helpPages } from "./documentation.ts";
 
 const service = process.env["BECALM_URL"] ?? "http://127.0.0.1:8000";
 
@@ -52,7 +53,7 @@ function stopFirst(): Plugin {
 }
 
 export default defineConfig({
-  plugins: [react(), swaggerUi(), stopFirst()],
+  plugins: [react(), swaggerUi(), stopFirst(), helpPages("../docs", "help.css")],
   // Relative: the console may lie under a path of another site (src/api/address.ts).
   base: "./",
   build: {

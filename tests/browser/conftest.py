@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,11 +29,21 @@ PATIENCE = 90_000
 """For whatever a page should show or let press [ms]: reached by a hang only, also where software draws the scene."""
 expect.set_options(timeout=PATIENCE)
 
+PUBLISHED = {"BECALM_CONFIGURATION": "published_figures"}
+"""What most stories are about: its touches follow one another slowly enough to be watched."""
+
+
+NO_LOOK_AHEAD = {"made": False, "reason": "not in this test", "words": "", "go_odds": 0.9, "go_peak_force": None}
+
 
 def new_context(browser: Browser, **options: Any) -> BrowserContext:
-    """A browser of its own, as patient as everything here."""
+    """A browser of its own, as patient as everything here.
+
+    It is told that there is no look-ahead: a hundred futures every two seconds would take the machine from the tests.
+    """
     context = browser.new_context(**options)
     context.set_default_timeout(PATIENCE)
+    context.route("**/rehearsals/look-ahead", lambda route: route.fulfill(json=NO_LOOK_AHEAD))
     return context
 
 
@@ -50,6 +61,18 @@ class Service:
         request = urllib.request.Request(f"{self.address}/api/v1{path}", data, headers, method=method)
         with urllib.request.urlopen(request, timeout=60) as answer:
             return json.loads(answer.read())
+
+    def reset_when_prepared(self, **request: Any) -> None:
+        """Reset the mission once what it flies is compiled; until then the service answers 503."""
+        deadline = time.monotonic() + PREPARING_TIME
+        while True:
+            try:
+                self.ask("/mission/commands", {"command": "reset", **request})
+                return
+            except urllib.error.HTTPError as refusal:
+                if refusal.code != 503 or time.monotonic() > deadline:
+                    raise
+            time.sleep(0.25)
 
 
 def _free_port() -> int:
@@ -78,7 +101,7 @@ def running(data: Path, log: Path, **environment: str) -> Iterator[Service]:
     """`becalm serve` on a free port with a data folder of its own, ready to fly."""
     assert CONSOLE.exists(), "the console is not built: pip install -e . builds it into server/static"
     port = _free_port()
-    environment = {**os.environ, "BECALM_DATA_DIR": str(data), **environment}
+    environment = {**os.environ, "BECALM_DATA_DIR": str(data), **PUBLISHED, **environment}
     with log.open("wb") as said:
         process = subprocess.Popen(
             [sys.executable, "-m", "becalm", "serve", "--port", str(port)], env=environment, stdout=said, stderr=said

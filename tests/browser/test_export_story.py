@@ -77,7 +77,7 @@ def test_a_plot_of_the_mission_that_flies_and_of_two_runs(console: Page, service
     live = {kind: _saved(console, forces, kind) for kind in ("SVG", "PNG", "PDF")}
     for words in (_words(live["SVG"]), _pdf_words(live["PDF"])):
         for said in (
-            "Tip force, resultant of each hand",
+            "Tip force, felt / asked for",
             f"Run {run}, in progress",
             "Force, N",
             "Mission time, s",
@@ -89,7 +89,9 @@ def test_a_plot_of_the_mission_that_flies_and_of_two_runs(console: Page, service
     assert "NaN" not in live["SVG"].read_text()
     _assert_on_white(live["PNG"])
 
-    one, other = (service.ask("/runs", {"direct": True, "seed": seed})["id"] for seed in (1, 2))
+    one, other = (
+        service.ask("/runs", {"configuration": "published", "direct": True, "seed": seed})["id"] for seed in (1, 2)
+    )
     console.goto(f"{service.address}/#/runs/{one}/{other}")
     view = console.get_by_role("region", name=f"Run {one}")
     compared = view.get_by_role("figure", name=re.compile("^Tip force"))

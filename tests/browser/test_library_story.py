@@ -75,6 +75,43 @@ def test_runs_are_found_read_annotated_and_deleted(console: Page, service: Servi
     assert seeded not in [run["id"] for run in service.ask("/runs")["runs"]]
 
 
+def test_many_runs_are_read_and_tagged_together(console: Page, service: Service) -> None:
+    runs = [_flown(service, direct=True), _flown(service, seed=12)]
+    console.goto(f"{service.address}/#/runs?sort=-started")
+    table = console.get_by_role("region", name="Table of runs")
+    for run in runs:
+        expect(table.locator(f"[data-run='{run}'] [data-column=outcome]")).to_contain_text("caged")
+        table.get_by_role("checkbox", name=f"Select run {run}").click()
+    selected = console.get_by_role("region", name="2 runs selected")
+    expect(selected.get_by_role("row", name=re.compile("^Peak force"))).to_contain_text("2")
+    selected.get_by_role("button", name="Tag", exact=True).click()
+    console.get_by_label("Tags for the selected runs").fill("pair")
+    console.get_by_role("button", name="Add", exact=True).click()
+    expect(selected.get_by_text("2 runs tagged.")).to_be_visible()
+    assert [service.ask(f"/runs/{run}")["tags"] for run in runs] == [["pair"], ["pair"]]
+
+    selected.get_by_role("button", name="Plot together").click()
+    plot = console.get_by_role("application", name=re.compile("hand_force"))
+    expect(plot.locator("path[stroke-width='1.6']")).to_have_count(2)
+    console.get_by_role("combobox", name="Upright").fill("target.twist.angle * ")
+    expect(console.get_by_text("it ends too early")).to_be_visible()
+    console.get_by_role("combobox", name="Upright").fill("target.twist.angle * 2")
+    expect(console.get_by_role("application", name="target.twist.angle * 2, rad/s over")).to_be_visible()
+    plot = console.get_by_role("application")
+    plot.press("ArrowRight")
+    expect(console.get_by_role("region", name="2 runs", exact=True).locator("output").last).to_have_text(
+        re.compile(r"\d")
+    )
+    console.screenshot(path=ARTIFACTS / "overlay.png")
+
+    console.goto(f"{service.address}/#/runs/{runs[0]}?t=2.5&from=2&to=3")
+    view = console.get_by_role("region", name=f"Run {runs[0]}")
+    expect(view.get_by_role("group", name="Replay").locator("output")).to_have_text("00:02.500")
+    expect(view.get_by_role("button", name="Whole run")).to_be_visible()
+    view.get_by_role("button", name="One tick forward").click()
+    expect(console).to_have_url(re.compile(r"t=2\.501&from=2&to=3$"))
+
+
 def test_a_paused_mission_goes_back_and_a_run_goes_on_from_a_moment(console: Page, service: Service) -> None:
     press(console, "Detumble")
     clock = console.get_by_role("timer", name="Mission time")

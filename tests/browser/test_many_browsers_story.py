@@ -7,7 +7,8 @@ from playwright.sync_api import Browser, expect
 
 from .conftest import Service, new_context
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+"""Ten pages that software draws take two processors for a minute; tests/soak has many readers at once, quickly."""
 
 BROWSERS = 10
 

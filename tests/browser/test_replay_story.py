@@ -17,7 +17,7 @@ FLYING_TIME = 60.0
 
 
 def _recorded(service: Service) -> dict[str, Any]:
-    run = service.ask("/runs", {"direct": True})
+    run = service.ask("/runs", {"configuration": "published", "direct": True})
     deadline = time.monotonic() + FLYING_TIME
     while run["status"] not in ("finished", "failed") and time.monotonic() < deadline:
         time.sleep(0.1)

@@ -54,6 +54,8 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     cell = console.locator("section", has=console.get_by_role("heading", name="Cell 1"))
     expect(cell).to_contain_text(f"{chosen['peak_tip_force']:.3f} N")
     console.screenshot(path=ARTIFACTS / "studies.png")
+    service.reset_when_prepared(changes={"simulation": {"engine": "reduced"}})  # as the study flew it
+    service.ask("/mission/commands", {"command": "reset", "configuration": "published_figures"})  # no edit to be lost
     cell.get_by_role("button", name="Set up as live mission").click()
     expect(console).to_have_url(re.compile("#/mission|/$"))
     assert service.ask("/mission")["phase"] == "idle"  # an operator flies it

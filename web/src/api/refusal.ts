@@ -29,6 +29,11 @@ export class Refusal extends Error {
   get decided(): boolean {
     return this.status >= 400 && this.status < 500;
   }
+
+  /** The service did nothing of it, and would at another time. */
+  get postponed(): boolean {
+    return this.status === 503;
+  }
 }
 
 const text = (value: unknown): string => (typeof value === "string" ? value : "");

@@ -5,22 +5,35 @@ import { HERE, addressOf } from "./address";
 import { patience } from "../stop/patience";
 import { noAnswer, refusalOf } from "./refusal";
 import type {
+  Alarm,
+  AlarmRecord,
   Arming,
   ArmingRequest,
+  AtlasDetail,
+  AtlasRequest,
   CommandAnswer,
   CommandRequest,
   ConfigurationSchema,
   ControlRequest,
   ControlStatus,
+  FitDetail,
+  FitRequest,
+  FittableParameter,
+  FuturesChoice,
   Health,
   History,
+  HistoryColumn,
+  Limits,
   LinkStatus,
+  LookAhead,
   MissionConfiguration,
   MissionEvent,
   NamedConfiguration,
   Preset,
   PresetBody,
   PublishedTables,
+  RehearsalDetail,
+  RehearsalRequest,
   RemarksChange,
   Run,
   RunPage,
@@ -28,12 +41,15 @@ import type {
   SceneChange,
   SceneView,
   Session,
+  ShiftEntry,
   StudyDetail,
   StudyEstimate,
   StudyPage,
   StudyRequest,
   StudyRowPage,
   Tared,
+  UncertaintyField,
+  WatchedSignal,
 } from "./types";
 
 const client = createClient<paths>({ baseUrl: HERE });
@@ -94,6 +110,32 @@ export const readControl = (): Promise<ControlStatus> => bodyOf(client.GET("/api
 export const changeControl = (body: ControlRequest): Promise<CommandAnswer> =>
   bodyOf(client.POST("/api/v1/mission/control", { body, ...within(ANSWER_TIME) }));
 
+export const readAlarmHistory = (): Promise<AlarmRecord[]> =>
+  bodyOf(client.GET("/api/v1/alarms/history", { params: { query: { limit: 300 } }, ...within(ANSWER_TIME) }));
+
+/** One alarm has been seen; null: all. */
+export const acknowledgeAlarm = (alarm: string | null): Promise<Alarm[]> =>
+  bodyOf(client.POST("/api/v1/alarms/acknowledge", { body: { alarm }, ...within(ANSWER_TIME) }));
+
+export const shelveAlarm = (alarm: string, minutes: number): Promise<Alarm[]> =>
+  bodyOf(client.POST("/api/v1/alarms/shelve", { body: { alarm, minutes }, ...within(ANSWER_TIME) }));
+
+export const unshelveAlarm = (alarm: string): Promise<Alarm[]> =>
+  bodyOf(client.POST("/api/v1/alarms/unshelve", { body: { alarm }, ...within(ANSWER_TIME) }));
+
+export const readLimits = (): Promise<WatchedSignal[]> => bodyOf(client.GET("/api/v1/alarms/limits", within(ANSWER_TIME)));
+
+export const chooseLimits = (signal: string, body: Limits): Promise<WatchedSignal> =>
+  bodyOf(client.PUT("/api/v1/alarms/limits/{signal}", { params: { path: { signal } }, body, ...within(ANSWER_TIME) }));
+
+export const forgetLimits = (signal: string): Promise<null> =>
+  nothingOf(client.DELETE("/api/v1/alarms/limits/{signal}", { params: { path: { signal } }, ...within(ANSWER_TIME) }));
+
+export const readShiftLog = (): Promise<ShiftEntry[]> =>
+  bodyOf(client.GET("/api/v1/shift-log", { params: { query: { limit: 300 } }, ...within(ANSWER_TIME) }));
+
+export const noteShift = (text: string): Promise<ShiftEntry> => bodyOf(client.POST("/api/v1/shift-log", { body: { text }, ...within(ANSWER_TIME) }));
+
 export const readLink = (): Promise<LinkStatus> => bodyOf(client.GET("/api/v1/link", within(2000)));
 
 /** What both wrists of the robot read now counts as zero. */
@@ -129,6 +171,14 @@ export const readScene = (): Promise<SceneView> => bodyOf(client.GET("/api/v1/sc
 
 export const changeScene = (change: SceneChange): Promise<SceneView> =>
   bodyOf(client.PATCH("/api/v1/scene", { body: change, ...within(ANSWER_TIME) }));
+
+export const drawFutures = async (choice: FuturesChoice): Promise<void> => {
+  await nothingOf(client.PUT("/api/v1/scene/futures", { body: choice, ...within(ANSWER_TIME) }));
+};
+
+export const eraseFutures = async (): Promise<void> => {
+  await nothingOf(client.DELETE("/api/v1/scene/futures", within(ANSWER_TIME)));
+};
 
 export const readHistory = (since: number): Promise<History> =>
   bodyOf(client.GET("/api/v1/mission/history", { params: { query: { since } }, ...within(ANSWER_TIME) }));
@@ -167,6 +217,19 @@ export const readTicks = (id: string, points: number, stretch?: { readonly from:
   bodyOf(
     client.GET("/api/v1/runs/{run_id}/ticks", {
       params: { path: { run_id: id }, query: { points, ...stretch } },
+      ...within(30_000),
+    }),
+  );
+
+/** What may be asked of its samples. */
+export const readColumns = (id: string): Promise<HistoryColumn[]> =>
+  bodyOf(client.GET("/api/v1/runs/{run_id}/columns", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Those columns at every tick, or every n-th of a long run. */
+export const readSamples = (id: string, columns: readonly string[]): Promise<History> =>
+  bodyOf(
+    client.GET("/api/v1/runs/{run_id}/samples", {
+      params: { path: { run_id: id }, query: { columns: columns.join(",") } },
       ...within(30_000),
     }),
   );
@@ -230,3 +293,72 @@ export const readPublishedTables = (): Promise<PublishedTables> =>
 /** Where a browser downloads the table of a study, also of one that flies. */
 export const resultsAddress = (id: string, format: "csv" | "parquet" | "json"): string =>
   addressOf(`/api/v1/studies/${encodeURIComponent(id)}/results?format=${format}`);
+
+/** Until the futures of a state are planned: a service that is busy takes a while. */
+const PLANNING_TIME = 15_000;
+
+export const startRehearsal = (request: RehearsalRequest): Promise<RehearsalDetail> =>
+  bodyOf(client.POST("/api/v1/rehearsals", { body: request, ...within(PLANNING_TIME) }));
+
+/** With its result once it has finished: half a megabyte. */
+export const readRehearsal = (id: string): Promise<RehearsalDetail> =>
+  bodyOf(client.GET("/api/v1/rehearsals/{rehearsal_id}", { params: { path: { rehearsal_id: id } }, ...within(PLANNING_TIME) }));
+
+export const cancelRehearsal = (id: string): Promise<RehearsalDetail> =>
+  bodyOf(client.POST("/api/v1/rehearsals/{rehearsal_id}/cancel", { params: { path: { rehearsal_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Flies one future again as a run of the library. */
+export const runFuture = (id: string, future: number, of: "as_it_is" | "as_changed"): Promise<Run> =>
+  bodyOf(
+    client.POST("/api/v1/rehearsals/{rehearsal_id}/futures/{future}/run", {
+      params: { path: { rehearsal_id: id, future }, query: { case: of } },
+      ...within(PLANNING_TIME),
+    }),
+  );
+
+/** Where a browser downloads what the futures of a rehearsal say. */
+export const rehearsalAddress = (id: string, format: "json" | "parquet"): string =>
+  addressOf(`/api/v1/rehearsals/${encodeURIComponent(id)}/result?format=${format}`);
+
+export const readFittable = (): Promise<FittableParameter[]> => bodyOf(client.GET("/api/v1/fits/parameters", within(ANSWER_TIME)));
+
+export const startFit = (request: FitRequest): Promise<FitDetail> => bodyOf(client.POST("/api/v1/fits", { body: request, ...within(PLANNING_TIME) }));
+
+/** With its result once it has finished: some hundred kilobytes. */
+export const readFit = (id: string): Promise<FitDetail> =>
+  bodyOf(client.GET("/api/v1/fits/{fit_id}", { params: { path: { fit_id: id } }, ...within(PLANNING_TIME) }));
+
+export const cancelFit = (id: string): Promise<FitDetail> =>
+  bodyOf(client.POST("/api/v1/fits/{fit_id}/cancel", { params: { path: { fit_id: id } }, ...within(ANSWER_TIME) }));
+
+export const keepFit = (id: string, name: string): Promise<Preset> =>
+  bodyOf(client.POST("/api/v1/fits/{fit_id}/preset", { params: { path: { fit_id: id } }, body: { name }, ...within(ANSWER_TIME) }));
+
+/** Where a browser downloads the report of a fit. */
+export const fitAddress = (id: string, format: "json" | "html" | "pdf"): string =>
+  addressOf(`/api/v1/fits/${encodeURIComponent(id)}/report?format=${format}`);
+
+export const readUncertainty = async (): Promise<UncertaintyField[]> =>
+  (await bodyOf(client.GET("/api/v1/rehearsals/uncertainty", within(ANSWER_TIME)))).fields;
+
+/** Asking is looking: the service flies the next request's futures while somebody asks. */
+export const readLookAhead = (): Promise<LookAhead> => bodyOf(client.GET("/api/v1/rehearsals/look-ahead", within(ANSWER_TIME)));
+
+export const startAtlas = (request: AtlasRequest): Promise<AtlasDetail> =>
+  bodyOf(client.POST("/api/v1/atlases", { body: request, ...within(PLANNING_TIME) }));
+
+/** With the cells that came after that revision. */
+export const readAtlas = (id: string, after: number): Promise<AtlasDetail> =>
+  bodyOf(client.GET("/api/v1/atlases/{atlas_id}", { params: { path: { atlas_id: id }, query: { after } }, ...within(ANSWER_TIME) }));
+
+export const cancelAtlas = (id: string): Promise<AtlasDetail> =>
+  bodyOf(client.POST("/api/v1/atlases/{atlas_id}/cancel", { params: { path: { atlas_id: id } }, ...within(ANSWER_TIME) }));
+
+/** Flies one future of a cell again as a run of the library. */
+export const runAtlasFuture = (id: string, x: number, y: number, future: number): Promise<Run> =>
+  bodyOf(
+    client.POST("/api/v1/atlases/{atlas_id}/cells/{x}/{y}/run", {
+      params: { path: { atlas_id: id, x, y }, query: { future } },
+      ...within(PLANNING_TIME),
+    }),
+  );

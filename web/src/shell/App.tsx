@@ -1,12 +1,16 @@
 import { MantineProvider } from "@mantine/core";
 import { QueryClientProvider } from "@tanstack/react-query";
-import { useState } from "react";
+import { useState, type ReactNode } from "react";
 import { newQueryClient } from "../api/query-client";
 import { AccessContext, useAccess, useAccessState } from "../features/access/session";
 import { SignIn } from "../features/access/SignIn";
 import { DeskContext } from "../features/commands/context";
 import { CommandDesk } from "../features/commands/desk";
 import { useDisarming } from "../features/commands/disarming";
+import { StagingContext, useStagingState } from "../features/parameters/staging";
+import { RehearsalContext } from "../features/rehearsal/context";
+import { RehearsalDesk } from "../features/rehearsal/desk";
+import { PlanContext, usePlanState } from "../features/rehearsal/plan";
 import { ConfigurationContext, useConfigurationState } from "../store/configuration";
 import { StoreContext } from "../store/context";
 import { surfaces, theme } from "../ui/theme/theme";
@@ -16,6 +20,18 @@ import { useLiveMission } from "./live";
 import { PreferencesContext, usePreferencesState } from "../units/preferences";
 import { Shell } from "./Shell";
 
+/** What is staged for the live mission, and what has been rehearsed of it: both outlive the page that shows them. */
+function Intentions({ children }: { readonly children: ReactNode }) {
+  const [desk] = useState(() => new RehearsalDesk());
+  return (
+    <StagingContext value={useStagingState()}>
+      <RehearsalContext value={desk}>
+        <PlanContext value={usePlanState()}>{children}</PlanContext>
+      </RehearsalContext>
+    </StagingContext>
+  );
+}
+
 /** What every page shares of the live mission: its commands and its configuration. */
 function Mission() {
   const [desk] = useState(() => new CommandDesk());
@@ -24,7 +40,9 @@ function Mission() {
   return (
     <DeskContext value={desk}>
       <ConfigurationContext value={configuration}>
-        <Shell />
+        <Intentions>
+          <Shell />
+        </Intentions>
       </ConfigurationContext>
     </DeskContext>
   );

@@ -6,7 +6,11 @@ import { ControlState } from "../features/control/ControlState";
 import { Icon } from "../ui/theme/Icon";
 import { usePreferences } from "../units/preferences";
 import { hashOf, PAGES, type Page } from "../store/route";
+import { helpAddress, PAGE_HELP } from "./help";
+import { openOver } from "./Keys";
+import { PAGE_LABELS } from "./pages";
 import styles from "./TopBar.module.css";
+import { ViewMenu } from "./ViewMenu";
 
 function ThemeSwitch() {
   const { colorScheme, setColorScheme } = useMantineColorScheme();
@@ -27,6 +31,24 @@ function ThemeSwitch() {
   );
 }
 
+/** Finding things, and the documentation at the place that tells of this page. */
+function Finding({ page }: { readonly page: Page }) {
+  return (
+    <>
+      <Tooltip label="Find a page, command, parameter, word or topic (Ctrl+K)" position="bottom">
+        <ActionIcon variant="subtle" color="gray" aria-label="Search everything" onClick={() => { openOver("palette"); }}>
+          <Icon icon="search" />
+        </ActionIcon>
+      </Tooltip>
+      <Tooltip label="What the documentation says of this page; ? shows the keys" position="bottom">
+        <ActionIcon component="a" variant="subtle" color="gray" aria-label={`Help: ${PAGE_LABELS[page]}`} href={helpAddress(PAGE_HELP[page])} target="_blank" rel="noopener">
+          <Icon icon="help" />
+        </ActionIcon>
+      </Tooltip>
+    </>
+  );
+}
+
 function AngleSwitch() {
   const { angles, setAngles } = usePreferences();
   return (
@@ -43,8 +65,6 @@ function AngleSwitch() {
     />
   );
 }
-
-const PAGE_LABELS: Readonly<Record<Page, string>> = { mission: "Mission", runs: "Runs", studies: "Studies", link: "Link" };
 
 function Pages({ shown, onChosen }: { readonly shown: Page; readonly onChosen: () => void }) {
   return (
@@ -90,8 +110,10 @@ export function TopBar({ page }: { readonly page: Page }) {
       <MenuButton open={open} onChange={setOpen} />
       <Pages shown={page} onChosen={close} />
       <div className={styles.tools} id={MENU}>
+        {page === "mission" && <ViewMenu />}
         <ControlState />
         <Identity />
+        <Finding page={page} />
         <AngleSwitch />
         <ThemeSwitch />
       </div>

@@ -60,14 +60,22 @@ function CutOffNotice({ cutOff }: { readonly cutOff: CutOff }) {
   );
 }
 
+/** From here on all is compiled, and only has to be loaded. */
+const COMPILED = 0.99;
+
 function PreparingNotice({ since }: { readonly since: number }) {
   const seconds = Math.max(0, Math.round((useClock(250) - since) / 1000));
+  const prepared = useView((view) => view.health?.prepared ?? 0);
+  const compiling = prepared < COMPILED;
   return (
     <div className={styles.notice} data-tone="preparing" role="status">
       <Icon icon="wait" size={18} />
-      <strong>The controller is being compiled for this machine.</strong>
-      <span>About half a minute, once; later starts take a second. {seconds > 0 ? `${seconds} s so far.` : ""}</span>
-      <span className={styles.progress} aria-hidden="true" />
+      <strong>{compiling ? `The controller is being compiled for this machine: ${Math.floor(100 * prepared)} %.` : "The controller is being loaded."}</strong>
+      <span>
+        {compiling ? "About half a minute, once; later starts take a second. " : ""}
+        {seconds > 0 ? `${seconds} s so far.` : ""}
+      </span>
+      <progress className={styles.progress} value={prepared} aria-label="Compiled" />
     </div>
   );
 }

@@ -29,6 +29,7 @@ function recordingSink() {
     link: (link) => links.push(link),
     run: ({ id }) => runs.push(id),
     config: () => undefined,
+    alarms: (alarms) => calls.push(`alarms ${alarms.length}`),
     history: (samples) => calls.push(`history ${samples.length}`),
     snapshot: (snapshot) => calls.push(`snapshot ${snapshot.tick}`),
     touches: () => undefined,

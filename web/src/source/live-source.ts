@@ -1,7 +1,7 @@
 /** Live telemetry over the service's WebSocket; survives restarts of the service and sleeping laptops. */
 import { addressOf, socketAddress } from "../api/address";
 import { changeScene, readEvents, readHistory, readScene, readTicks } from "../api/service";
-import type { MissionEvent, MissionSnapshot } from "../api/types";
+import type { Alarm, MissionEvent, MissionSnapshot } from "../api/types";
 import { waitBefore } from "./backoff";
 import type { Table } from "./columns";
 import { samplesOfTable, type Sample } from "./quantities";
@@ -32,6 +32,7 @@ type Frame =
   | { type: "hello"; service: string; service_time: number; cut_off: CutOff | null }
   | { type: "preparing" }
   | { type: "missed" }
+  | { type: "alarms"; alarms: Alarm[] }
   | ({ type: "history"; run_id: string } & Table)
   | ({ type: "snapshot" } & MissionSnapshot)
   | ({ type: "event" } & MissionEvent)
@@ -202,6 +203,9 @@ class Connection {
       case "event":
         if (this.coming === null) this.sink.events([frame]);
         else this.coming.events.push(frame);
+        break;
+      case "alarms":
+        this.sink.alarms(frame.alarms);
         break;
       case "missed":
         this.eventsMissing = true;

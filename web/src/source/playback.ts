@@ -27,6 +27,8 @@ type Listener = () => void;
 export class Playback {
   private view: PlaybackView = { time: 0, playing: false, speed: 1, end: 0 };
   private times: RunTimes | null = null;
+  /** Where to open, if somebody said so before the run was known. */
+  private opening: number | null = null;
   private readonly listeners = new Set<Listener>();
 
   /** Where it opens, and plays from again: nothing moves before. */
@@ -52,11 +54,12 @@ export class Playback {
 
   readonly read = (): PlaybackView => this.view;
 
-  /** The run is known, or has become longer. At first it goes to a second before the first motion, or to the beginning. */
+  /** The run is known, or has become longer. At first it goes to where it was sent, else to a second before the first motion. */
   extend(times: RunTimes): void {
     const first = this.times === null;
     this.times = times;
-    this.change({ end: times.end, ...(first && { time: this.start }) });
+    this.change({ end: times.end });
+    if (first) this.seek(this.opening ?? this.start);
   }
 
   /** From the start if it stands at the end. */
@@ -69,7 +72,9 @@ export class Playback {
     this.change({ playing: false });
   }
 
+  /** Before the run is known: once it is. */
   seek(time: number): void {
+    if (this.times === null) this.opening = time;
     this.change({ time: this.within(time) });
   }
 

@@ -9,6 +9,7 @@ const arm = (by: number) => ({
   hand_pose: [1, 2, 0.5],
   desired_hand_pose: [1 + 0.3 * by, 2 - 0.4 * by, 0.5 - 0.1 * by],
   manipulability: 0.01 * by,
+  wanted_force: 0.2 * by,
 });
 
 const SNAPSHOT = {
@@ -31,6 +32,8 @@ const COLUMNS: Readonly<Record<string, number>> = {
   "base.pose.angle": 0.02,
   "left.hand_force": 5,
   "right.hand_force": 10,
+  "left.wanted_force": 0.2,
+  "right.wanted_force": 0.4,
   "left.manipulability": 0.01,
   "right.manipulability": 0.02,
   "left.position_error": 0.5,

@@ -13,6 +13,9 @@ export interface Quantity {
 /** A quantity that a single column of the log holds. */
 const column = (name: string, unit: string): Quantity => ({ unit, of: (value) => value(name) });
 
+/** One that is zero while nothing is asked for: no curve then. */
+const asked = (name: string, unit: string): Quantity => ({ unit, of: (value) => (value(name) > 0 ? value(name) : Number.NaN) });
+
 export const QUANTITIES = {
   tick: column("mission.tick", "1"),
   time: column("mission.time", "s"),
@@ -22,6 +25,8 @@ export const QUANTITIES = {
   baseAngle: column("base.pose.angle", "rad"),
   leftForce: column("left.hand_force", "N"),
   rightForce: column("right.hand_force", "N"),
+  leftWantedForce: asked("left.wanted_force", "N"),
+  rightWantedForce: asked("right.wanted_force", "N"),
   leftManipulability: column("left.manipulability", "m2"),
   rightManipulability: column("right.manipulability", "m2"),
   leftPositionError: column("left.position_error", "m"),

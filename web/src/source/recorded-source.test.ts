@@ -31,7 +31,7 @@ function opened(first: Run = run()) {
       return replay;
     },
   };
-  const sink = { link: vi.fn(), run: vi.fn(), config: vi.fn(), history: vi.fn(), snapshot: vi.fn(), touches: vi.fn(), scene: vi.fn(), ended: vi.fn(), hello: vi.fn(), events: vi.fn(), reset: vi.fn() } satisfies Sink;
+  const sink = { link: vi.fn(), run: vi.fn(), config: vi.fn(), alarms: vi.fn(), history: vi.fn(), snapshot: vi.fn(), touches: vi.fn(), scene: vi.fn(), ended: vi.fn(), hello: vi.fn(), events: vi.fn(), reset: vi.fn() } satisfies Sink;
   const source = new RecordedSource("a", service);
   return { source, sink, service, replay, listeners, end: source.open(sink) };
 }

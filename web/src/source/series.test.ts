@@ -54,4 +54,12 @@ describe("the mission over time", () => {
     ]);
     expect(series.firstMotion).toBe(0.01);
   });
+
+  it("begins where it was first recorded, if the mission was on its way", () => {
+    const [flying, waiting] = [new Series(), new Series()];
+    for (const tick of [50, 60]) flying.append(sample(tick, { phase: 1 }));
+    for (const tick of [50, 60]) waiting.append(sample(tick, { phase: 0 }));
+    expect(flying.firstMotion).toBe(0.05);
+    expect(waiting.firstMotion).toBe(0);
+  });
 });

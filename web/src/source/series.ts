@@ -80,10 +80,10 @@ export class Series {
     return low;
   }
 
-  /** When the mission first left idle; 0 while it has not. */
+  /** When the mission first left idle, or was first recorded where that was on the way; 0 while it has not left idle. */
   get firstMotion(): number {
     const [first, second] = this.phaseSpans();
-    return first?.phase === "idle" && second !== undefined ? second.start : 0;
+    return (first?.phase === "idle" ? second?.start : first?.start) ?? 0;
   }
 
   /** The phases so far, oldest first; each ends where the next begins. */

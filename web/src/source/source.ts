@@ -2,7 +2,7 @@
  * Where a mission is read from: live telemetry, or a stored run. A panel cannot tell which; it shows what the source
  * tells the store, and asks the source for what it can do.
  */
-import type { MissionConfiguration, MissionEvent, MissionSnapshot, Role, SceneChange, SceneView, Touch } from "../api/types";
+import type { Alarm, MissionConfiguration, MissionEvent, MissionSnapshot, Role, SceneChange, SceneView, Touch } from "../api/types";
 import type { Playback } from "./playback";
 import type { Sample } from "./quantities";
 
@@ -55,6 +55,8 @@ export interface Sink {
   /** A service, which a restart gives another name, has told the time by its own clock, in seconds, just now, and which
    * run the restart cut off. */
   hello(service: string, serviceTime: number, cutOff: CutOff | null): void;
+  /** All alarms that are in the list of the live mission, the oldest first. */
+  alarms(alarms: readonly Alarm[]): void;
   /** Events in any order; those that are known are not repeated. */
   events(events: readonly MissionEvent[]): void;
   /** Another mission began; nothing known so far belongs to it. */

@@ -40,6 +40,7 @@ function storeAt(clock: { now: number }): MissionStore {
 const health = (status: "ok" | "preparing") => ({
   service_time: 0.005,
   status,
+  prepared: status === "ok" ? 1 : 0.4,
   version: "0",
   plant: "simulation" as const,
   tick_age: null,

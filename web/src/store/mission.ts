@@ -1,5 +1,5 @@
 /** What the console knows of a mission, live or stored: one immutable view for the panels, one series for the plots. */
-import type { Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
+import type { Alarm, Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
 import { sampleOfSnapshot, type Sample } from "../source/quantities";
 import { Series } from "../source/series";
 import { ServiceClock } from "../source/service-clock";
@@ -28,6 +28,7 @@ export interface MissionView {
   readonly snapshot: MissionSnapshot | null;
   readonly touches: readonly Touch[];
   readonly events: readonly MissionEvent[];
+  readonly alarms: readonly Alarm[];
   /** The address of the scene's page. */
   readonly scene: string | null;
   /** Why snapshots and scene come no more; null while they do. */
@@ -57,6 +58,7 @@ const NOTHING: MissionView = {
   snapshot: null,
   touches: [],
   events: [],
+  alarms: [],
   scene: null,
   ended: null,
   link: { state: "connecting" },
@@ -140,6 +142,10 @@ export class MissionStore implements Sink {
 
   history(samples: readonly Sample[]): void {
     this.series.merge(samples);
+  }
+
+  alarms(alarms: readonly Alarm[]): void {
+    this.change({ alarms }, true);
   }
 
   /** Puts events where they belong in time. */

@@ -1,7 +1,7 @@
 /** Which page is shown: the part of the address behind `#`, so that it works under any path and a page can be kept. */
 import { useSyncExternalStore } from "react";
 
-export const PAGES = ["mission", "runs", "studies", "link"] as const;
+export const PAGES = ["mission", "runs", "studies", "atlas", "alarms", "link"] as const;
 export type Page = (typeof PAGES)[number];
 
 export interface Route {
@@ -35,13 +35,17 @@ export function go(page: Page, item = ""): void {
   location.hash = hashOf({ page, item });
 }
 
-function subscribe(listener: () => void): () => void {
+/** Calls whenever the address changes; the returned function ends it. */
+export function subscribe(listener: () => void): () => void {
   window.addEventListener("hashchange", listener);
   return () => {
     window.removeEventListener("hashchange", listener);
   };
 }
 
+/** The part of the address behind `#`, with it. */
+export const useHash = (): string => useSyncExternalStore(subscribe, () => location.hash);
+
 export function useRoute(): Route {
-  return routeOf(useSyncExternalStore(subscribe, () => location.hash));
+  return routeOf(useHash());
 }

@@ -7,13 +7,15 @@ interface ConfirmButtonProps {
   readonly question: string;
   /** Why it may not be pressed; null if it may. */
   readonly disabledReason: string | null;
+  readonly compact?: boolean;
   readonly onConfirm: () => void;
 }
 
-export function ConfirmButton({ label, question, disabledReason, onConfirm }: ConfirmButtonProps) {
+export function ConfirmButton({ label, question, disabledReason, compact = false, onConfirm }: ConfirmButtonProps) {
   const [asking, setAsking] = useState(false);
   return (
     <Button
+      size={compact ? "compact-xs" : "xs"}
       disabled={disabledReason !== null}
       title={disabledReason ?? undefined}
       onClick={() => {

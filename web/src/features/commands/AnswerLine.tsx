@@ -5,12 +5,13 @@ import { useDeskView } from "./context";
 import type { Answer, Verdict } from "./desk";
 import styles from "./AnswerLine.module.css";
 
-const ICONS: Readonly<Record<Verdict, IconName>> = { armed: "warning", waiting: "wait", accepted: "check", refused: "cross", unknown: "warning" };
+const ICONS: Readonly<Record<Verdict, IconName>> = { armed: "warning", waiting: "wait", accepted: "check", refused: "cross", postponed: "wait", unknown: "warning" };
 const WORDS: Readonly<Record<Verdict, string>> = {
   armed: "is armed",
   waiting: "waiting for the answer",
   accepted: "accepted",
   refused: "refused",
+  postponed: "not yet",
   unknown: "no answer",
 };
 
@@ -33,6 +34,7 @@ export function AnswerLine() {
               {labelOf(answer.order)} {WORDS[answer.verdict]}
             </strong>{" "}
             {sentence(answer)}
+            {answer.verdict === "postponed" && <span className={styles.tip}>{answer.tip}</span>}
           </p>
         </>
       )}

@@ -4,6 +4,8 @@ import { Panel } from "../../ui/Panel";
 import { useKept } from "../../ui/use-kept";
 import { useNamedConfigurations } from "../../store/configuration";
 import { useSnapshot } from "../../store/context";
+import { noGoOf, useLookAhead } from "../lookahead/look-ahead";
+import { LookAheadLine } from "../lookahead/LookAheadLine";
 import { useWhatIsLost } from "../mission/lost";
 import { Choice } from "../../ui/Choice";
 import { AnswerLine } from "./AnswerLine";
@@ -33,6 +35,17 @@ function ResetRow() {
   );
 }
 
+/** The capture, and how it is foreseen to end: what is no-go takes a second press, with the reason. */
+function CaptureRow() {
+  const ahead = useLookAhead();
+  return (
+    <>
+      <CommandButton words={CAPTURE} variant="filled" size="md" className={styles.capture ?? ""} warning={noGoOf(ahead, CAPTURE.command)} />
+      <LookAheadLine ahead={ahead} />
+    </>
+  );
+}
+
 /** What may be done now; folded away, it leaves its room to the parameters. STOP is not among it. */
 export function CommandPanel() {
   const real = useSnapshot((snapshot) => snapshot.plant.kind === "zenoh") ?? false;
@@ -57,7 +70,7 @@ export function CommandPanel() {
     <Panel title="Commands" aside={toggle}>
       <div id={body} hidden={folded}>
         <div className={styles.commands}>
-          <CommandButton words={CAPTURE} variant="filled" size="md" className={styles.capture ?? ""} />
+          <CaptureRow />
           <div className={styles.sequence}>
             {SEQUENCE.map((words) => (
               <CommandButton key={words.command} words={words} />

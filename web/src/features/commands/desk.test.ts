@@ -31,6 +31,13 @@ describe("a command on its way", () => {
     expect(desk.read().answer).toMatchObject({ verdict: "refused", words: "hold it first", tip: "press Hold" });
   });
 
+  it("is not yet carried out where the service says that it may be later", async () => {
+    const detail = "method = published is being prepared (40 % compiled)";
+    const desk = deskWith({ send: () => Promise.reject(refusalOf(503, { title: "Busy", detail, tip: "ask again then" })) });
+    await desk.send({ command: "reset" });
+    expect(desk.read().answer).toMatchObject({ verdict: "postponed", words: detail, tip: "ask again then" });
+  });
+
   it("claims nothing when no answer came", async () => {
     const send = vi.fn(() => Promise.reject(noAnswer(new TypeError("failed to fetch"))));
     const desk = deskWith({ send });

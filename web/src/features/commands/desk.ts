@@ -5,8 +5,8 @@ import type { Armed, Arming, ArmingRequest, Command, CommandAnswer, CommandReque
 
 export type Order = Command;
 
-/** `unknown`: no answer came, so nobody knows whether it was carried out. */
-export type Verdict = "armed" | "waiting" | "accepted" | "refused" | "unknown";
+/** `postponed`: it was not carried out, and may be later. `unknown`: no answer came, so nobody knows whether it was. */
+export type Verdict = "armed" | "waiting" | "accepted" | "refused" | "postponed" | "unknown";
 
 /** `armed`: pressed once, of two times that it takes. */
 export interface Answer {
@@ -164,11 +164,16 @@ const accepted =
   (order: Order) =>
   (answer: CommandAnswer): Answer => ({ order, verdict: "accepted", words: answer.message, tip: "" });
 
+function verdictOf(refusal: Refusal): Verdict {
+  if (refusal.postponed) return "postponed";
+  return refusal.decided ? "refused" : "unknown";
+}
+
 const refused =
   (order: Order) =>
   (cause: unknown): Answer => {
     if (!(cause instanceof Refusal)) throw cause;
-    return { order, verdict: cause.decided ? "refused" : "unknown", words: cause.message, tip: cause.tip };
+    return { order, verdict: verdictOf(cause), words: cause.message, tip: cause.tip };
   };
 
 const including = (orders: ReadonlySet<Order>, order: Order): ReadonlySet<Order> => new Set([...orders, order]);

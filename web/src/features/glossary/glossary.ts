@@ -22,8 +22,21 @@ const TERMS: Readonly<Record<string, string>> = {
   final_target_spin: "The target's angular velocity at the verdict.",
   min_manipulability: "The least manipulability of both arms: near zero, an arm is stretched or folded and cannot move its hand in some direction.",
   momentum_error: "How far the total momentum of robot and target moved from zero. In the simulation nothing pushes from outside, so this is its error.",
+  target_spin: "The target's angular velocity, counter-clockwise positive. The mark is the threshold below which the method may cage.",
+  target_drift: "Speed of the target's centre. A drift that stays carries the target out of the hands' reach.",
+  contact: "Whether each hand touches the target now, with the resultant force on it; below, the largest so far.",
+  cage: "Open, closed (the four tips enclose the target at its present angle), or caged: no motion leads it out of the locked hands.",
+  next_phase: "Whether the next phase may begin, with what speaks for or against it; blocked where nothing can come next.",
+  mission_time: "Counted by control ticks from the beginning of this run; it stands while the clock is paused.",
+  manipulability: "The volume of what an arm can make its hand's velocity; near zero it is at a singularity.",
+  admittance: "The hand gives way like a mass on a spring and damper, M ẍ + D ẋ + K x = F, so that a touch is soft.",
+  free_flying: "The base is not held: whatever the arms do turns and shifts it, as total momentum stays zero.",
+  detumbling: "Taking the target's spin by soft touches, before both hands enclose it.",
   "cohen's κ": "Agreement beyond chance: 1 is full agreement, 0 is no better than guessing by how common each class is.",
 };
+
+/** Every term as it is read, with its meaning. */
+export const glossaryTerms = (): readonly { readonly term: string; readonly meaning: string }[] => Object.entries(TERMS).map(([term, meaning]) => ({ term: term.replaceAll("_", " "), meaning }));
 
 /** What a term means; null if there is nothing to explain. Names of classes and of columns are terms. */
 export const meaningOf = (term: string): string | null => TERMS[term.toLowerCase()] ?? null;

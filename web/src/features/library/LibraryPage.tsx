@@ -9,6 +9,8 @@ import { showQuery, isFiltered, PAGE_SIZE, queryOf, runHash, useQueryAddress, ty
 import { RunFilters } from "./RunFilters";
 import { RunList } from "./RunList";
 import { RunTable } from "./RunTable";
+import { useSelection, type Selection } from "./selection";
+import { SelectionPanel } from "./SelectionPanel";
 import { RunView } from "./RunView";
 import { useLibrary, useRun, type Library } from "./use-library";
 
@@ -41,14 +43,14 @@ function Nothing({ query }: { readonly query: LibraryQuery }) {
   return <p className={styles.hint}>{words}</p>;
 }
 
-function Found({ library, query, item, other }: PagesProps) {
+function Found({ library, query, item, other, selection }: PagesProps & { readonly selection: Selection }) {
   const { runs, unreadable, refusal, read } = library;
   return (
     <Panel title="Runs" grow aside={<Pages library={library} query={query} item={item} other={other} />}>
       <RunFilters query={query} item={item} other={other} />
       {refusal !== null && <p className={styles.hint} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
       {read && runs.length === 0 && <Nothing query={query} />}
-      {item === "" ? <RunTable runs={runs} query={query} /> : <RunList runs={runs} query={query} open={item} other={other} />}
+      {item === "" ? <RunTable runs={runs} query={query} selection={selection} /> : <RunList runs={runs} query={query} open={item} other={other} />}
       {unreadable.map((each) => (
         <p key={each.id} className={styles.hint}>{`${each.id} cannot be read: ${each.reason}`}</p>
       ))}
@@ -60,12 +62,14 @@ export function LibraryPage({ item, other, shown }: { readonly item: string; rea
   const address = useQueryAddress();
   const query = useMemo(() => queryOf(address), [address]);
   const library = useLibrary(shown, query);
+  const selection = useSelection();
   const { run, refusal: missing } = useRun(shown ? item : "");
   const { run: compared, refusal: otherRefusal } = useRun(shown ? other : "");
   return (
     <main className={styles.page} hidden={!shown} data-open={item === "" ? undefined : true}>
       <div className={styles.found}>
-        <Found library={library} query={query} item={item} other={other} />
+        <Found library={library} query={query} item={item} other={other} selection={selection} />
+        {item === "" && selection.selected.size > 0 && <SelectionPanel selection={selection} query={query} total={library.total} />}
       </div>
       {item !== "" && (
         <div className={styles.opened}>

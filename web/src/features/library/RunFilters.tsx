@@ -6,6 +6,7 @@ import { classStyle } from "../glossary/class-style";
 import { Choice } from "../../ui/Choice";
 import { showQuery, isFiltered, KINDS, DEFAULT_QUERY, STATUSES, VERDICTS, type LibraryQuery } from "./query";
 import styles from "./LibraryPage.module.css";
+import { SavedFilters } from "./SavedFilters";
 import { STATUS_CHOICES } from "./labels";
 
 /** Milliseconds after the last key of a search. */
@@ -71,6 +72,7 @@ export function RunFilters({ query, item, other }: FilterProps) {
           {`Tag: ${query.tag} ×`}
         </Button>
       )}
+      <SavedFilters query={query} item={item} other={other} />
       {isFiltered(query) && (
         <Button size="compact-xs" onClick={() => { change({ ...DEFAULT_QUERY, sort: query.sort, descending: query.descending }); }}>
           Clear filters

@@ -1,5 +1,5 @@
 /** Runs as a table: what each was flown with, and what came of it. */
-import { Tooltip } from "@mantine/core";
+import { Checkbox, Tooltip } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { RunSummary } from "../../api/types";
 import { meaningOf } from "../glossary/glossary";
@@ -7,6 +7,7 @@ import { classStyle } from "../glossary/class-style";
 import { duration, fixed, MILLIMETRES } from "../../units/units";
 import { showQuery, runHash, sortedBy, type LibraryQuery, type SortKey } from "./query";
 import styles from "./RunTable.module.css";
+import { extentOf, type Selection } from "./selection";
 import { VerdictMark, verdictWords } from "./Verdict";
 import { changesTitle, changeWords, configurationWords, momentWords } from "./labels";
 
@@ -65,7 +66,12 @@ const COLUMNS: readonly Column[] = [
     ),
   },
   { key: "kind", label: "Kind", title: "Live, scripted, from a study, or a fork", cell: ({ kind }) => kind },
-  { key: "configuration", label: "Configuration", title: "The named configuration at its start", cell: configurationWords },
+  {
+    key: "configuration",
+    label: "Configuration",
+    title: "The named configuration at its start, and the engine that simulated it",
+    cell: (run) => `${configurationWords(run)}, ${run.engine}`,
+  },
   { key: "changes", label: "Changed", title: "Parameters that differ from the named configuration", cell: (run) => <Changes run={run} /> },
   { key: "seed", label: "Seed", title: "simulation.seed", number: true, cell: ({ seed }) => seed },
   { key: "initial_spin", label: "Spin, rad/s", title: "Of the target at the start, as configured", number: true, cell: (run) => figure(run.initial_spin, 2) },
@@ -115,12 +121,37 @@ function Head({ column, query }: { readonly column: Column; readonly query: Libr
   );
 }
 
-export function RunTable({ runs, query }: { readonly runs: readonly RunSummary[]; readonly query: LibraryQuery }) {
+/** All runs of the page, or none. */
+function SelectPage({ runs, selection }: { readonly runs: readonly RunSummary[]; readonly selection: Selection }) {
+  const extent = extentOf(selection.selected, runs);
+  return (
+    <th scope="col" className={styles.select}>
+      <Checkbox
+        size="xs"
+        aria-label="Select all runs on this page"
+        checked={extent === "all"}
+        indeterminate={extent === "some"}
+        onChange={() => {
+          selection.set(runs, extent !== "all");
+        }}
+      />
+    </th>
+  );
+}
+
+interface RunTableProps {
+  readonly runs: readonly RunSummary[];
+  readonly query: LibraryQuery;
+  readonly selection: Selection;
+}
+
+export function RunTable({ runs, query, selection }: RunTableProps) {
   return (
     <div className={styles.scroll} role="region" aria-label="Table of runs" tabIndex={0}>
       <table className={styles.table}>
         <thead>
           <tr>
+            <SelectPage runs={runs} selection={selection} />
             {COLUMNS.map((column) => (
               <Head key={column.key} column={column} query={query} />
             ))}
@@ -128,7 +159,18 @@ export function RunTable({ runs, query }: { readonly runs: readonly RunSummary[]
         </thead>
         <tbody>
           {runs.map((run) => (
-            <tr key={run.id} data-run={run.id}>
+            <tr key={run.id} data-run={run.id} data-selected={selection.selected.has(run.id) || undefined}>
+              <td className={styles.select}>
+                <Checkbox
+                  size="xs"
+                  aria-label={`Select run ${run.id}`}
+                  title="With Shift: all from the one before"
+                  checked={selection.selected.has(run.id)}
+                  onChange={(event) => {
+                    selection.press(runs, run.id, event.nativeEvent instanceof MouseEvent && event.nativeEvent.shiftKey);
+                  }}
+                />
+              </td>
               {COLUMNS.map((column) => (
                 <td key={column.key} data-number={column.number} data-column={column.key}>
                   {column.cell(run, query)}

@@ -5,15 +5,19 @@ import { ConfirmButton } from "../../ui/ConfirmButton";
 import { DownloadLink } from "../../ui/DownloadLink";
 import { Facts, type Fact } from "../../ui/Facts";
 import { Panel } from "../../ui/Panel";
+import { useKeptJson } from "../../ui/use-kept-json";
 import { hashOf } from "../../store/route";
 import { useAction, type RunAction } from "../../api/use-action";
 import type { Refusal } from "../../api/refusal";
 import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
 import type { Run } from "../../api/types";
+import { methodWords } from "../../source/methods";
 import type { Playback } from "../../source/playback";
 import { isUnderWay } from "../../source/recorded-source";
+import type { Series } from "../../source/series";
 import { StoreContext, useDataState } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
+import { useMomentAddress } from "../../store/moment";
 import { readNumber } from "../../units/numbers";
 import { clock, duration, fixed, plain } from "../../units/units";
 import { RoleButton } from "../access/RoleButton";
@@ -21,7 +25,10 @@ import { useReasonByRole } from "../access/session";
 import { PrepareButton } from "../commands/PrepareButton";
 import { EventLog } from "../events/EventLog";
 import { ComparisonContext, type Alignment } from "../plots/compared";
+import { FitPanel } from "../fit/FitPanel";
 import { PlotPanel } from "../plots/PlotPanel";
+import { StoredPrediction } from "../rehearsal/Predicted";
+import { PredictedPanel } from "../rehearsal/PredictedPanel";
 import { ReplayPanel } from "../replay/ReplayPanel";
 import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
@@ -30,7 +37,7 @@ import styles from "./LibraryPage.module.css";
 import { showQuery, runHash, type LibraryQuery } from "./query";
 import { useReadAgain, useStored } from "./use-library";
 import { verdictWords } from "./Verdict";
-import { changeWords, configurationWords, damageWords, statusWords } from "./labels";
+import { changeWords, configurationWords, damageWords, statusWords, tagsOf } from "./labels";
 
 /** What became of it, at the top of the page: what stands below may be out of sight. */
 const endingOf = (run: Run): string => (run.outcome === null ? statusWords(run) : `${statusWords(run)}: ${verdictWords(run)}`);
@@ -70,8 +77,10 @@ function RunFacts({ run }: { readonly run: Run }) {
     ["Run", run.id],
     ["Configuration", configurationWords(run)],
     ["Changed", run.changes.length === 0 ? "none" : run.changes.map(changeWords).join("\n")],
-    ["Impedance m, d, k", Object.values(run.config.published.impedance).map(plain).join(", ")],
+    ["Method", methodWords(run.config.method)],
+    ...(run.config.method === "published" ? [["Impedance m, d, k", Object.values(run.config.published.impedance).map(plain).join(", ")] as const] : []),
     ["Seed", String(run.seed)],
+    ["Engine", run.engine],
     ["Recorded", `${run.ticks} ticks, ${fixed(run.size_bytes / 1e6, 1)} MB`],
     ["On disk", run.integrity ?? "being written"],
     ["Versions", Object.entries(run.versions).map(([name, version]) => `${name} ${version}`).join(", ")],
@@ -113,10 +122,12 @@ function Damage({ events }: { readonly events: number | null }) {
   );
 }
 
+const phaseAt = (series: Series, time: number): string => series.phaseSpans().findLast(({ start }) => start <= time)?.phase ?? "idle";
+
 const NO_MOMENT = "The run has no such moment.";
 
 /** Makes a moment of this run the live mission, paused, as a run of its own. */
-function Fork({ run, playback }: { readonly run: Run; readonly playback: Playback }) {
+function Fork({ run, playback, series }: { readonly run: Run; readonly playback: Playback; readonly series: Series }) {
   const [typed, setTyped] = useState<string | null>(null);
   const { time: shown } = useSyncExternalStore(playback.subscribe, playback.read);
   const time = typed ?? fixed(shown, 3);
@@ -130,6 +141,11 @@ function Fork({ run, playback }: { readonly run: Run; readonly playback: Playbac
         <p className={styles.why}>Puts the live mission at this moment of the run, paused: change parameters, then run. It becomes a new run.</p>
         <TextInput aria-label="Moment of the run in seconds" placeholder={`seconds, up to ${fixed(run.duration, 3)}`} value={time} onChange={(event) => { setTyped(event.currentTarget.value); }} />
         <PrepareButton label="Fork here" request={{ command: "fork", run: run.id, tick }} disabledReason={sound ? null : NO_MOMENT} />
+        {sound && (
+          <a className={styles.atlas} href={`#/atlas?${new URLSearchParams({ run: run.id, at: String(moment), phase: phaseAt(series, moment) }).toString()}`}>
+            Map two parameters from here
+          </a>
+        )}
       </div>
     </Panel>
   );
@@ -150,7 +166,7 @@ const never = (): (() => void) => () => undefined;
 const useMoment = (playback: Playback | null): number | null => useSyncExternalStore(playback?.subscribe ?? never, () => playback?.read().time ?? null);
 
 function Notes({ run, runAction, playback }: { readonly run: Run; readonly runAction: RunAction; readonly playback: Playback | null }) {
-  const [text, setText] = useState("");
+  const [text, setText] = useKeptJson(`becalm-note-${run.id}`, (kept) => (typeof kept === "string" ? kept : ""), "tab");
   const [atMoment, setAtMoment] = useState(false);
   const time = useMoment(playback);
   const add = () =>
@@ -184,9 +200,6 @@ function Notes({ run, runAction, playback }: { readonly run: Run; readonly runAc
   );
 }
 
-/** Tags as a person types them, with commas between. */
-const tagsOf = (typed: string): string[] => typed.split(",").map((tag) => tag.trim()).filter((tag) => tag !== "");
-
 function NameAndTags({ run, runAction }: { readonly run: Run; readonly runAction: RunAction }) {
   const [name, setName] = useState<string | null>(null);
   const [tags, setTags] = useState<string | null>(null);
@@ -219,12 +232,14 @@ function NameAndTags({ run, runAction }: { readonly run: Run; readonly runAction
 }
 
 /** What is stored of a run, and of the one that it is compared with. */
-function Stored({ store, other, align }: { readonly store: MissionStore; readonly other: MissionStore | null; readonly align: Alignment }) {
+function Stored({ run, store, other, align }: { readonly run: Run; readonly store: MissionStore; readonly other: MissionStore | null; readonly align: Alignment }) {
   const comparison = useMemo(() => other && { store: other, align }, [other, align]);
   return (
     <StoreContext value={store}>
       <ComparisonContext value={comparison}>
-        <StoredPanels />
+        <StoredPrediction run={run}>
+          <StoredPanels />
+        </StoredPrediction>
       </ComparisonContext>
     </StoreContext>
   );
@@ -261,13 +276,14 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
   const readAgain = useReadAgain();
   const runAction: RunAction = (work) => asked(() => work().then(readAgain));
   const playback = store?.source.playback ?? null;
+  useMomentAddress(playback);
   return (
     <section className={styles.view} aria-label={`Run ${run.id}`}>
       <Head run={run} query={query} runAction={runAction} />
       {refusal !== null && <p className={styles.refusal} role="alert">{`${refusal.message} ${refusal.tip}`}</p>}
       <Damage events={run.damaged_events} />
       <div className={styles.columns}>
-        {store === null ? <p className={styles.hint}>Nothing has been recorded yet.</p> : <Stored store={store} other={compared} align={align} />}
+        {store === null ? <p className={styles.hint}>Nothing has been recorded yet.</p> : <Stored run={run} store={store} other={compared} align={align} />}
         <div className={styles.side}>
           {missing !== null && <p className={styles.refusal} role="alert">{`${missing.message} ${missing.tip}`}</p>}
           {other !== null && <ComparisonPanel end={runHash(query, run.id)} one={run} other={other} align={align} onAlign={setAlign} />}
@@ -276,7 +292,15 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
             {run.outcome !== null && <TouchTable touches={run.outcome.contacts} />}
             <RunFacts run={run} />
           </Panel>
-          {playback !== null && !isUnderWay(run) && <Fork run={run} playback={playback} />}
+          {store !== null && (
+            <StoreContext value={store}>
+              <StoredPrediction run={run}>
+                <PredictedPanel run={run} />
+              </StoredPrediction>
+            </StoreContext>
+          )}
+          {store !== null && !isUnderWay(run) && <FitPanel key={run.id} run={run.id} />}
+          {store !== null && playback !== null && !isUnderWay(run) && <Fork run={run} playback={playback} series={store.series} />}
           <NameAndTags run={run} runAction={runAction} />
           <Notes run={run} runAction={runAction} playback={playback} />
         </div>

@@ -28,6 +28,12 @@ describe("two runs beside one another", () => {
     ]);
   });
 
+  it("show a list of points as one value", () => {
+    const of = (last: number): Run => ({ config: { target: { vertices: [[0, 0], [0.2, 0], [0, last]] } } }) as unknown as Run;
+    expect(choices(of(0.1), of(0.1))).toEqual([]);
+    expect(choices(of(0.1), of(0.2))).toEqual([{ name: "target.vertices", one: "0, 0; 0.2, 0; 0, 0.1", other: "0, 0; 0.2, 0; 0, 0.2" }]);
+  });
+
   it("are named as on the form, each with its unit", () => {
     const parameters = [{ path: "published.impedance.damping", title: "Virtual damping of the hand", unit: "N s/m" }];
     expect(named(choices(run(1.5, 0), run(3, 7)), parameters)).toEqual([

@@ -1,6 +1,7 @@
 /** How two runs differ: pure functions from two runs to the lines of a table. */
 import type { Outcome, Parameter, Run } from "../../api/types";
 import { classStyle } from "../glossary/class-style";
+import { isPoints, pointsText } from "../../units/points";
 import { clock, duration, fixed, MILLIMETRES, plain, shown } from "../../units/units";
 
 export interface Line {
@@ -30,6 +31,7 @@ export const figures = (one: Run, other: Run): Line[] => FIGURES.map(([name, rea
 
 /** Every value of a nested configuration by its full path. */
 function leaves(branch: unknown, path: string): [string, string][] {
+  if (isPoints(branch)) return [[path, pointsText(branch)]];
   if (typeof branch !== "object" || branch === null) return [[path, typeof branch === "number" ? plain(branch) : String(branch)]];
   return Object.entries(branch).flatMap(([name, value]) => leaves(value, path === "" ? name : `${path}.${name}`));
 }

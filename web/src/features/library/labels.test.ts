@@ -7,6 +7,9 @@ describe("a run in words", () => {
   it("tells what was changed, with its unit", () => {
     expect(changeWords(damping)).toBe("damping 1.5 → 3 N·s/m");
     expect(changeWords({ path: "contact.corner", title: "Corner", unit: "1", configured: "face", value: "radial" })).toBe("corner face → radial");
+    expect(changeWords({ path: "target.vertices", title: "Vertices", unit: "m", configured: [[0, 0], [1, 0], [0, 1]], value: [[0, 0], [0.2, 0], [0, 0.1]] })).toBe(
+      "vertices 0, 0; 1, 0; 0, 1 → 0, 0; 0.2, 0; 0, 0.1 m",
+    );
     expect(changesTitle([damping])).toContain("published.impedance.damping");
   });
 

@@ -1,10 +1,11 @@
 /** Runs in words: what was changed, and when they began. */
 import type { RunSummary } from "../../api/types";
+import { isPoints, pointsText } from "../../units/points";
 import { plain, shown } from "../../units/units";
 
 export type Change = RunSummary["changes"][number];
 
-const valueOf = (value: unknown): string => (typeof value === "number" ? plain(value) : String(value).replaceAll("_", " "));
+const valueOf = (value: unknown): string => (isPoints(value) ? pointsText(value) : typeof value === "number" ? plain(value) : String(value).replaceAll("_", " "));
 
 /** The last part of a path, which names the parameter where its group is known. */
 const shortName = (path: string): string => (path.split(".").at(-1) ?? path).replaceAll("_", " ");
@@ -27,6 +28,9 @@ export function statusWords({ status, kind, integrity, note }: Pick<RunSummary, 
   // The service's note of a live run without a verdict is how it ended; runs of 0.1.0 have none.
   return note?.split(":")[0] ?? "ended early";
 }
+
+/** Tags as a person types them, with commas between. */
+export const tagsOf = (typed: string): string[] => typed.split(",").map((tag) => tag.trim()).filter((tag) => tag !== "");
 
 /** Of events that are left out, one or more; null: of all. */
 export function damageWords(events: number | null): string {

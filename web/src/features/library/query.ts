@@ -6,7 +6,7 @@ import type { RunsQuery } from "../../api/types";
 export const PAGE_SIZE = 50;
 
 export const STATUSES = ["queued", "running", "finished", "failed", "cancelled"] as const;
-export const KINDS = ["live", "scripted", "study", "fork"] as const;
+export const KINDS = ["live", "scripted", "study", "fork", "imported"] as const;
 export const VERDICTS = [
   "caged_force_reduced",
   "caged_force_not_reduced",

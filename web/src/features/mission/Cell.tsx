@@ -1,17 +1,20 @@
 import type { ReactNode } from "react";
+import { Term } from "../glossary/Term";
 import styles from "./Cell.module.css";
 
 interface CellProps {
   readonly label: string;
+  /** In the glossary. */
+  readonly term?: string;
   readonly width: number;
   readonly children: ReactNode;
 }
 
 /** A labelled readout of the strip; its width is fixed so that nothing jumps. */
-export function Cell({ label, width, children }: CellProps) {
+export function Cell({ label, term, width, children }: CellProps) {
   return (
     <div className={styles.cell} style={{ width }} role="group" aria-label={label}>
-      <div className={styles.label}>{label}</div>
+      <div className={styles.label}>{term === undefined ? label : <Term term={term}>{label}</Term>}</div>
       {children}
     </div>
   );

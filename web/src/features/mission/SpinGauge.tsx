@@ -34,7 +34,7 @@ export function SpinGauge() {
   const without = spin === null ? "no data" : "caged at any spin";
   const limit = known ? `${below ? "below" : "above"} threshold ${fixed(threshold * factor, coarse ? 1 : 2)} ${unit}` : without;
   return (
-    <Cell label="Target spin" width={196}>
+    <Cell label="Target spin" term="target_spin" width={196}>
       <Reading value={fixed((spin ?? Number.NaN) * factor, coarse ? 1 : 3)} unit={unit} />
       <svg className={styles.gauge} viewBox="0 0 100 8" preserveAspectRatio="none" aria-hidden="true">
         <rect className={styles.track} x="0" y="2" width="100" height="4" />

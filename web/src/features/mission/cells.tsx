@@ -11,7 +11,7 @@ import styles from "./cells.module.css";
 export function DriftCell() {
   const drift = useSnapshot((snapshot) => snapshot.drift) ?? Number.NaN;
   return (
-    <Cell label="Target drift" width={118}>
+    <Cell label="Target drift" term="target_drift" width={110}>
       <Reading value={fixed(drift * MILLIMETRES_PER_SECOND.factor, 1)} unit={MILLIMETRES_PER_SECOND.unit} />
     </Cell>
   );
@@ -44,7 +44,7 @@ export const forceWords = (force: number): string => (force < 0.01 ? "< 0.01" : 
 export function ContactCell() {
   const peak = useSnapshot((snapshot) => snapshot.peak_tip_force) ?? Number.NaN;
   return (
-    <Cell label="Contact" width={190}>
+    <Cell label="Contact" term="contact" width={222}>
       <div className={styles.hands}>
         <Hand arm="left" />
         <Hand arm="right" />
@@ -64,7 +64,7 @@ export function CageCell() {
   const closed = useSnapshot((snapshot) => snapshot.cage_closed);
   const margin = useSnapshot((snapshot) => snapshot.cage_margin);
   return (
-    <Cell label="Cage" width={118}>
+    <Cell label="Cage" term="cage" width={128}>
       <div className={styles.word}>
         {margin !== null && <Icon icon="lock" size={16} />}
         {cageWords(closed, margin)}
@@ -118,7 +118,7 @@ export function NextCell() {
   const reasons: readonly Reason[] = readiness === null ? [] : reasonsOf(readiness);
   const go = readiness?.go ?? false;
   return (
-    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} width={236}>
+    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} term="next_phase" width={236}>
       <div className={styles.go} data-go={go || undefined}>
         {readiness && <Icon icon={go ? "check" : "bar"} size={16} />}
         {readiness ? goWords(readiness) : "—"}

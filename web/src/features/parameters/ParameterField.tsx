@@ -1,6 +1,6 @@
 /** One parameter: its value, what is staged, and everything known about it on hover or focus. */
-import { ActionIcon, TextInput, Tooltip } from "@mantine/core";
-import { useId, type KeyboardEvent } from "react";
+import { ActionIcon, Textarea, TextInput, Tooltip } from "@mantine/core";
+import { Fragment, useId, type ChangeEvent, type KeyboardEvent } from "react";
 import type { Parameter } from "../../api/types";
 import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
@@ -36,6 +36,12 @@ function About({ parameter, value, angles }: FieldState) {
         <dd>{`${fieldText(parameter, standard, angles)} ${unit}`}</dd>
         {!parameter.choices && <dt>Bounds</dt>}
         {!parameter.choices && <dd>{boundsText(parameter, angles)}</dd>}
+        {Object.entries(parameter.choice_titles).map(([choice, title]) => (
+          <Fragment key={choice}>
+            <dt>{words(choice)}</dt>
+            <dd>{title}</dd>
+          </Fragment>
+        ))}
         <dt>Source</dt>
         <dd>{parameter.source}</dd>
         <dt>Takes effect</dt>
@@ -46,15 +52,19 @@ function About({ parameter, value, angles }: FieldState) {
   );
 }
 
-function Entry(state: FieldState & { readonly id: string; readonly note: string }) {
-  const { parameter, value, staged, error, angles, edit, leave, id, note } = state;
-  const text = staged ?? fieldText(parameter, value, angles);
-  const common = { id, value: text, error: error !== undefined, "aria-describedby": note };
+interface EntryProps extends FieldState {
+  readonly id: string;
+  readonly note: string;
+}
+
+function Entry(state: EntryProps) {
+  const { parameter, edit } = state;
   if (parameter.choices) {
     return (
       <Choice
-        {...common}
+        {...commonOf(state)}
         className={styles.entry}
+        title={parameter.choice_titles[state.staged ?? String(state.value)]}
         data={parameter.choices.map((choice) => ({ value: choice, label: words(choice) }))}
         onChange={(choice) => {
           edit(parameter, choice);
@@ -62,29 +72,49 @@ function Entry(state: FieldState & { readonly id: string; readonly note: string 
       />
     );
   }
+  return parameter.type === "points" ? <PointsEntry {...state} /> : <NumberEntry {...state} />;
+}
+
+const commonOf = ({ parameter, value, staged, error, angles, id, note }: EntryProps) => ({
+  id,
+  value: staged ?? fieldText(parameter, value, angles),
+  error: error !== undefined,
+  "aria-describedby": note,
+});
+
+/** What a typed entry has beside it and does, whether it is one number or many. */
+const typedOf = (state: EntryProps) => ({
+  ...commonOf(state),
+  autoComplete: "off",
+  rightSection: <span className={styles.unit}>{shown(state.parameter.unit, state.angles).unit}</span>,
+  rightSectionPointerEvents: "none" as const,
+  onBlur: () => {
+    state.leave(state.parameter);
+  },
+  onChange: (event: ChangeEvent<HTMLInputElement | HTMLTextAreaElement>) => {
+    state.edit(state.parameter, event.currentTarget.value);
+  },
+});
+
+const PointsEntry = (state: EntryProps) => <Textarea {...typedOf(state)} className={styles.points} autosize minRows={2} />;
+
+function NumberEntry(state: EntryProps) {
+  const { parameter, edit } = state;
+  const typed = typedOf(state);
   const arrows = (event: KeyboardEvent<HTMLInputElement>): void => {
     if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
     event.preventDefault();
-    edit(parameter, nudged(text, event.key === "ArrowUp" ? 1 : -1));
+    edit(parameter, nudged(typed.value, event.key === "ArrowUp" ? 1 : -1));
   };
   return (
     <TextInput
-      {...common}
+      {...typed}
       className={styles.entry}
       inputMode="decimal"
-      autoComplete="off"
-      rightSection={<span className={styles.unit}>{shown(parameter.unit, angles).unit}</span>}
       rightSectionWidth={46}
-      rightSectionPointerEvents="none"
       onKeyDown={arrows}
-      onBlur={() => {
-        leave(parameter);
-      }}
       onFocus={(event) => {
         event.currentTarget.select();
-      }}
-      onChange={(event) => {
-        edit(parameter, event.currentTarget.value);
       }}
     />
   );

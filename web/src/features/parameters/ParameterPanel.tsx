@@ -1,22 +1,26 @@
 /** The form of parameters, drawn from the schema: edits are staged, compared, applied together or discarded. */
 import { Button, TextInput } from "@mantine/core";
-import { useState } from "react";
+import { Fragment, useEffect, useState, type ReactNode } from "react";
 import { Panel } from "../../ui/Panel";
 import { usePreferences } from "../../units/preferences";
 import { Refusal } from "../../api/refusal";
 import { changeConfiguration, readConfiguration } from "../../api/service";
 import type { MissionConfiguration, Parameter, Preset, PresetBody } from "../../api/types";
+import { methodWords } from "../../source/methods";
 import { useConfiguration, type Configuration } from "../../store/configuration";
 import { Icon } from "../../ui/theme/Icon";
 import { useArmingOf } from "./arming";
-import { changesOf, draftTowards, found, meaning, nested, patchOf, settled, unsoundFields, valueAt, type Change, type Draft, type Value } from "./draft";
+import { draftTowards, found, meaning, nested, patchOf, settled, undoOf, valueAt, valueOf, type Change, type Draft } from "./draft";
+import { onFindParameter } from "./find";
+import { groupsOf } from "./groups";
 import { ParameterField } from "./ParameterField";
 import styles from "./ParameterPanel.module.css";
 import { Presets } from "./Presets";
-import { StagedChanges } from "./StagedChanges";
+import { StagedChanges, UndoLine } from "./StagedChanges";
+import { useStaging } from "./staging";
 
-/** What the console is for: the impedance stands first, and open. */
-const FIRST_GROUP = "published.impedance";
+/** The parameter that names the method. */
+const METHOD = "method";
 
 interface Editing {
   readonly draft: Draft;
@@ -40,7 +44,7 @@ function useFields({ parameters, inForce }: Configuration, { draft, refusals, ed
         value={value}
         staged={entry?.text}
         error={error}
-        named={namedValue(inForce?.edited[parameter.path]?.from)}
+        named={valueOf(inForce?.edited[parameter.path]?.from)}
         angles={entry?.angles ?? angles}
         edit={edit}
         leave={leave}
@@ -49,23 +53,10 @@ function useFields({ parameters, inForce }: Configuration, { draft, refusals, ed
   };
 }
 
-const namedValue = (from: unknown): Value | undefined => (typeof from === "number" || typeof from === "string" ? from : undefined);
-
-function groupsOf(parameters: readonly Parameter[]): [string, Parameter[]][] {
-  const groups = new Map<string, Parameter[]>();
-  for (const parameter of parameters) {
-    const group = groups.get(parameter.group);
-    if (group) group.push(parameter);
-    else groups.set(parameter.group, [parameter]);
-  }
-  // The impedance first, then those that may change while the mission flies; the sort keeps the service's order otherwise.
-  const rank = (group: string, members: readonly Parameter[]): number => (group === FIRST_GROUP ? 0 : members.some((parameter) => parameter.live) ? 1 : 2);
-  return [...groups].sort(([one, its], [other, others]) => rank(one, its) - rank(other, others));
-}
-
-/** The refusal's findings by field; one that names no field of the form belongs to all. */
+/** The refusal's findings by field, also of a part of one; one that names no field of the form belongs to all. */
 function findings(refusal: Refusal, parameters: readonly Parameter[]): Record<string, string> {
-  const named = refusal.fields.map(({ field, message }): [string, string] => [field, message]);
+  const owner = (field: string): string => parameters.find(({ path }) => field.startsWith(`${path}.`))?.path ?? field;
+  const named = refusal.fields.map(({ field, message }): [string, string] => [owner(field), message]);
   if (named.length > 0) return Object.fromEntries(named);
   const guilty = parameters.find((parameter) => refusal.message.includes(parameter.path));
   return guilty ? { [guilty.path]: refusal.message } : {};
@@ -110,10 +101,10 @@ function Find({ query, setQuery, edited, only, setOnly }: FindProps) {
 /** The draft, and what may be done with it. */
 function useDraft({ parameters, inForce, setInForce }: Configuration) {
   const { angles } = usePreferences();
-  const [draft, setDraft] = useState<Draft>({});
+  const { draft, setDraft, changes } = useStaging();
   const [refusal, setRefusal] = useState<Refusal | null>(null);
   const [applying, setApplying] = useState(false);
-  const changes = changesOf(draft, parameters, inForce?.config);
+  const [applied, setApplied] = useState<readonly Change[]>([]);
   const arming = useArmingOf(changes);
   const attempt = async (work: () => Promise<void>): Promise<void> => {
     setRefusal(null);
@@ -148,20 +139,38 @@ function useDraft({ parameters, inForce, setInForce }: Configuration) {
     await attempt(async () => {
       if (await arming.comesFirst()) return;
       setInForce(await changeConfiguration(patchOf(changes), arming.armed?.arming.token ?? null));
+      // What takes a new mission cannot be taken back without one.
+      setApplied(changes.every(({ parameter }) => parameter.live) ? changes : []);
       discard();
     }).finally(() => {
       setApplying(false);
     });
   };
-  return { draft, changes, refusal, applying, armed: arming.armed, edit, leave, discard, stage, apply };
+  const back = undoOf(applied, inForce?.config);
+  const undo = (): Promise<void> =>
+    attempt(async () => {
+      setInForce(await changeConfiguration(patchOf(back)));
+      setApplied([]);
+    });
+  return { draft, changes, refusal, applying, armed: arming.armed, edit, leave, discard, stage, apply, back, undo };
 }
 
-export function ParameterPanel() {
+/** @param beside what else may be done with staged changes, beside discarding and applying them */
+export function ParameterPanel({ beside }: { readonly beside?: ReactNode }) {
   const configuration = useConfiguration();
   const { parameters, inForce } = configuration;
-  const { draft, changes, refusal, applying, armed, edit, leave, discard, stage, apply } = useDraft(configuration);
+  const { draft, changes, refusal, applying, armed, edit, leave, discard, stage, apply, back, undo } = useDraft(configuration);
+  const { unsound } = useStaging();
   const [query, setQuery] = useState("");
   const [onlyEdited, setOnlyEdited] = useState(false);
+  useEffect(
+    () =>
+      onFindParameter((path) => {
+        setQuery(path);
+        setOnlyEdited(false);
+      }),
+    [],
+  );
   const present = inForce === null ? null : presentOf(inForce, changes);
   const refusals = refusal === null ? {} : findings(refusal, parameters);
   const field = useFields(configuration, { draft, refusals, edit, leave });
@@ -169,24 +178,31 @@ export function ParameterPanel() {
   const edited = parameters.filter(isEdited).length;
   const matching = found(parameters, query).filter((parameter) => !onlyEdited || isEdited(parameter));
   const searching = query !== "" || onlyEdited;
+  const methods = parameters.find(({ path }) => path === METHOD)?.choices ?? [];
+  const configured = draft[METHOD]?.text ?? String(valueAt(inForce?.config, METHOD) ?? "");
   return (
     <Panel title="Parameters" grow tall aside={<span className={styles.count}>{parameters.length > 0 && `${matching.length} of ${parameters.length}`}</span>}>
       <Find query={query} setQuery={setQuery} edited={edited} only={onlyEdited} setOnly={setOnlyEdited} />
       <div className={styles.groups} tabIndex={-1}>
         {searching && matching.length === 0 && <p className={styles.none}>{query === "" ? "No edited parameters." : "No matching parameters."}</p>}
-        {groupsOf(matching).map(([group, members]) => (
-          <details key={`${group} ${searching}`} className={styles.group} open={searching || group === FIRST_GROUP}>
-            <summary>
-              {members[0]?.group_title} <span>{members.length}</span>
-            </summary>
-            {members.map(field)}
-          </details>
+        {groupsOf(matching, methods, configured).map(({ group, title, members, idleMethod, begins }, place) => (
+          <Fragment key={`${group} ${searching}`}>
+            {begins && <h3 className={styles.idle}>{`Only by the method ${methodWords(idleMethod ?? configured)}`}</h3>}
+            <details className={styles.group} open={searching || place === 0}>
+              <summary>
+                {title} <span>{members.length}</span>
+              </summary>
+              {members.map(field)}
+            </details>
+          </Fragment>
         ))}
         {!searching && <Presets present={present} stage={(preset) => void stage(preset)} />}
       </div>
+      {Object.keys(draft).length === 0 && back.length > 0 && <UndoLine back={back} refusal={refusal} undo={() => void undo()} />}
       <StagedChanges
         changes={changes}
-        unsound={unsoundFields(draft, parameters).length}
+        unsound={unsound}
+        beside={beside}
         touched={Object.keys(draft).length > 0}
         refusal={refusal}
         applying={applying}

@@ -1,5 +1,6 @@
 /** What would change, beside what is in force; applied together or not at all. */
 import { Button } from "@mantine/core";
+import type { ReactNode } from "react";
 import { usePreferences } from "../../units/preferences";
 import type { Refusal } from "../../api/refusal";
 import { useView } from "../../store/context";
@@ -16,6 +17,8 @@ interface StagedChangesProps {
   /** How many fields hold what cannot be sent. */
   readonly unsound: number;
   readonly touched: boolean;
+  /** What else may be done with them. */
+  readonly beside: ReactNode;
   readonly refusal: Refusal | null;
   readonly applying: boolean;
   /** Set while the next press applies them with a robot. */
@@ -38,7 +41,27 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
   );
 }
 
-export function StagedChanges({ changes, unsound, touched, refusal, applying, armed, apply, discard }: StagedChangesProps) {
+/** What was applied last, and the press that takes it back: nothing is asked, and nothing jumps. */
+export function UndoLine({ back, refusal, undo }: { readonly back: readonly Change[]; readonly refusal: Refusal | null; readonly undo: () => void }) {
+  const live = useView((view) => view.trust === "live");
+  const byWho = useReasonAgainstCommanding();
+  return (
+    <section className={styles.staged} aria-label="Applied changes">
+      <ul className={styles.list}>
+        {back.map((change) => (
+          <Difference key={change.parameter.path} change={{ ...change, from: change.to, to: change.from }} />
+        ))}
+      </ul>
+      {refusal !== null && <p className={styles.refusal} role="alert"><Icon icon="warning" /> <span>{`${refusal.message} ${refusal.tip}`}</span></p>}
+      <div className={styles.buttons}>
+        <span role="status">Applied.</span>
+        <Button disabled={!live || byWho !== null} title={byWho ?? "Take the last Apply back"} onClick={undo}>Undo</Button>
+      </div>
+    </section>
+  );
+}
+
+export function StagedChanges({ changes, unsound, touched, beside, refusal, applying, armed, apply, discard }: StagedChangesProps) {
   const live = useView((view) => view.trust === "live");
   const byWho = useReasonAgainstCommanding();
   if (!touched) return null;
@@ -67,6 +90,7 @@ export function StagedChanges({ changes, unsound, touched, refusal, applying, ar
       )}
       <div className={styles.buttons}>
         <Button onClick={discard}>Discard</Button>
+        {beside}
         <Button
           variant="filled"
           {...(armed && ARMED_STYLE)}

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
 import type { Parameter } from "../../api/types";
-import { boundsText, changesOf, draftTowards, fieldText, found, meaning, nested, nudged, patchOf, settled, unsoundFields, valueAt } from "./draft";
+import { boundsText, changesOf, draftTowards, draftWith, fieldText, found, meaning, nested, nudged, patchOf, readDraft, settled, undoOf, unsoundFields, valueAt } from "./draft";
 
 function parameter(path: string, more: Partial<Parameter> = {}): Parameter {
   const name = path.split(".").at(-1) ?? "";
   const group = path.slice(0, -name.length - 1);
-  return { path, group, name, title: name, group_title: group, description: "", unit: "1", default: 0, source: "", live: true, type: "number", ...more };
+  return { path, group, name, title: name, group_title: group, description: "", unit: "1", default: 0, source: "", live: true, type: "number", choice_titles: {}, ...more };
 }
 
 const damping = parameter("published.impedance.damping", { unit: "N s/m", minimum: 0, maximum: 1e4 });
@@ -13,7 +13,29 @@ const mass = parameter("published.impedance.mass", { unit: "kg", exclusive_minim
 const tilt = parameter("published.touch.hand_tilt", { unit: "rad", minimum: 0, maximum: 0.7 });
 const config = { published: { impedance: { damping: 1.5, mass: 0.1 }, touch: { hand_tilt: 0.08726646259971647 } } };
 
+describe("what a person can take back", () => {
+  const applied = [{ parameter: damping, from: 1.5, to: 3 }, { parameter: mass, from: 0.1, to: 0.2 }];
+
+  it("is what was applied, as far as it still stands", () => {
+    const now = { published: { impedance: { damping: 3, mass: 0.5 } } };
+    expect(undoOf(applied, now)).toEqual([{ parameter: damping, from: 3, to: 1.5 }]);
+    expect(undoOf(applied, config)).toEqual([]);
+  });
+
+  it("outlives a reload as a draft, as far as it is one", () => {
+    const draft = { [damping.path]: { text: "3", angles: "rad" } };
+    expect(readDraft({ ...draft, other: { text: 3, angles: "rad" }, more: null, third: { text: "1", angles: "grad" } })).toEqual(draft);
+    expect(readDraft("nonsense")).toEqual({});
+  });
+});
+
 describe("staged edits", () => {
+  it("take proposed values beside what is staged, in the unit of the form", () => {
+    const old = { [mass.path]: { text: "0.2", angles: "rad" }, [damping.path]: { text: "7", angles: "rad" } } as const;
+    const draft = draftWith(old, { [damping.path]: 1.5, [tilt.path]: 0.17453292519943295 }, [damping, mass, tilt], config, "deg");
+    expect(draft).toEqual({ [mass.path]: { text: "0.2", angles: "rad" }, [tilt.path]: { text: "10", angles: "deg" } });
+  });
+
   it("hold only what differs, and nest what is sent", () => {
     const draft = { [damping.path]: { text: "3", angles: "rad" }, [mass.path]: { text: "0.10", angles: "rad" } } as const;
     const changes = changesOf(draft, [damping, mass], config);
@@ -59,6 +81,32 @@ describe("staged edits", () => {
   });
 });
 
+describe("a list of points", () => {
+  const vertices = parameter("target.vertices", { type: "points", unit: "m", minimum: -10, maximum: 10, fewest: 3, most: 12 });
+  const inForce = { target: { vertices: [[0, 0], [0.2, 0], [0, 0.1]] } };
+  const draft = (text: string) => ({ [vertices.path]: { text, angles: "deg" } }) as const;
+
+  it("stands in its field as it is typed, and is sent as pairs", () => {
+    const text = fieldText(vertices, valueAt(inForce, vertices.path) ?? 0, "deg");
+    expect(text).toBe("0, 0; 0.2, 0; 0, 0.1");
+    expect(changesOf(draft(text), [vertices], inForce)).toEqual([]);
+    expect(settled(draft(text), vertices, inForce)).toEqual({});
+    const changes = changesOf(draft("0 0\n0.2 0\n0 0.2"), [vertices], inForce);
+    expect(patchOf(changes)).toEqual({ target: { vertices: [[0, 0], [0.2, 0], [0, 0.2]] } });
+    expect(draftTowards({ target: { vertices: [[0, 0], [1, 0], [0, 1], [-1, 0]] } }, [vertices], inForce, "rad")).toEqual({
+      [vertices.path]: { text: "0, 0; 1, 0; 0, 1; -1, 0", angles: "rad" },
+    });
+  });
+
+  it("says what is wrong with it", () => {
+    expect(meaning(vertices, "0, 0; 1, 0", "rad")).toEqual({ error: "must be at least 3 points" });
+    expect(meaning(vertices, "1, 2;".repeat(13), "rad")).toEqual({ error: "must be at most 12 points" });
+    expect(meaning(vertices, "0, 0; 11, 0; 0, 1", "rad")).toEqual({ error: "coordinates must be at most 10 m" });
+    expect(meaning(vertices, "0, 0; 1", "rad")).toHaveProperty("error", expect.stringContaining('point 2, "1"'));
+    expect(boundsText(vertices, "rad")).toBe("3 to 12 points, from -10, up to 10 m");
+  });
+});
+
 describe("fields", () => {
   it("tell their bounds", () => {
     expect(boundsText(mass, "rad")).toBe("above 0, up to 100 kg");
@@ -77,5 +125,7 @@ describe("fields", () => {
     expect(found([damping, mass, tilt], "impedance mass")).toEqual([mass]);
     expect(found([damping, mass, tilt], "hand tilt")).toEqual([tilt]);
     expect(found([damping, mass], "")).toHaveLength(2);
+    const method = parameter("method", { type: "choice", choices: ["published"], choice_titles: { published: "Detumbling by absorbed touches" } });
+    expect(found([damping, method], "absorbed")).toEqual([method]);
   });
 });

@@ -4,12 +4,15 @@ import { useCallback, useEffect, useMemo, useRef, type RefObject } from "react";
 import { usePreferences } from "../../units/preferences";
 import type { Series } from "../../source/series";
 import { canvasColours } from "../../ui/theme/canvas";
-import { fixed, shown, type Shown } from "../../units/units";
+import { CONTRAST, type Contrast } from "../../ui/theme/contrast";
+import { useShared } from "../../ui/use-shared";
+import { clock, fixed, shown, type Shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
 import { comparedAt, useComparison, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
-import { plotFigure } from "./figure";
+import { figureTable, plotFigure } from "./figure";
 import { figureOf, type FigureSource } from "./figure-of";
+import type { Placed } from "./prediction";
 import { unitOf, type Curve, type Known, type PlotDefinition } from "./plot-set";
 import { ExportMenu } from "../../ui/export/ExportMenu";
 import styles from "./Plot.module.css";
@@ -21,6 +24,7 @@ export interface PlotFrame {
   readonly series: Series;
   readonly whole: Series;
   readonly compared: Compared | null;
+  readonly predicted: Placed | null;
   readonly range: Range;
   readonly known: Known;
   readonly decorations: Omit<Decorations, "levels" | "colours">;
@@ -95,10 +99,62 @@ function useShowValues(definition: PlotDefinition, scale: Shown, values: Values,
   );
 }
 
+/** What the cursor reads, for who does not see it: "at 00:02.500: Left 0.139, Right 0.000 N". */
+function readingOf({ curves }: PlotDefinition, values: readonly (HTMLElement | null)[], { unit }: Shown, time: number | null): string {
+  if (time === null) return "";
+  const words = curves.flatMap(({ label }, place) => (label === "" ? [] : [`${label} ${values[place]?.textContent ?? ""}`]));
+  return `at ${clock(time)}: ${words.join(", ")} ${unit}`.trim();
+}
+
+/** For a press of an arrow, of the width; with Shift so many times as far. */
+const STEP = 0.005;
+const COARSE = 10;
+/** A press of + shows so much of what was shown. */
+const ZOOM = 0.5;
+
+/** Reads and zooms the plot by keys; returns whether the key was one of them. */
+function pressed(chart: Chart, { key, shiftKey }: Pick<KeyboardEvent, "key" | "shiftKey">, events: ChartEvents): boolean {
+  const step = STEP * (shiftKey ? COARSE : 1);
+  const about = (factor: number): void => {
+    if (chart.cursorTime === null) chart.moveCursor(-0.5);
+    events.wheel(chart.cursorTime ?? 0, factor);
+  };
+  const keys: Readonly<Record<string, () => void>> = {
+    ArrowLeft: () => { chart.moveCursor(-step); },
+    ArrowRight: () => { chart.moveCursor(step); },
+    "+": () => { about(ZOOM); },
+    "=": () => { about(ZOOM); },
+    "-": () => { about(1 / ZOOM); },
+    Home: events.follow,
+    Enter: () => { if (chart.cursorTime !== null) events.moment(chart.cursorTime); },
+  };
+  const act = keys[key];
+  act?.();
+  return act !== undefined;
+}
+
+/** The keys of a plot that has the focus. @param tell is called once what the cursor reads has been drawn */
+function readByKeys(element: HTMLElement, chart: Chart, events: ChartEvents, tell: () => void): () => void {
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.ctrlKey || event.metaKey || event.altKey || !pressed(chart, event, events)) return;
+    event.preventDefault();
+    requestAnimationFrame(() => requestAnimationFrame(tell));
+  };
+  const onBlur = (): void => { chart.hideCursor(); };
+  element.addEventListener("keydown", onKey);
+  element.addEventListener("blur", onBlur);
+  return () => {
+    element.removeEventListener("keydown", onKey);
+    element.removeEventListener("blur", onBlur);
+  };
+}
+
 export function Plot({ definition, timed, events, source, register }: PlotProps) {
   const { angles } = usePreferences();
   const { colorScheme } = useMantineColorScheme();
+  const [contrast] = useShared<Contrast>(CONTRAST);
   const place = useRef<HTMLDivElement>(null);
+  const spoken = useRef<HTMLSpanElement>(null);
   const values = useRef<(HTMLElement | null)[]>([]);
   const others = useRef<(HTMLElement | null)[]>([]);
   const comparing = useComparison() !== null;
@@ -115,7 +171,7 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
     const withdraw = register((frame) => {
       last.current = frame;
       const levels = definition.levels(frame.known).map(({ label, value }) => ({ label, value: value * scale.factor }));
-      chart.draw(frame.series, frame.range, { ...frame.decorations, levels, colours }, frame.compared);
+      chart.draw(frame, { ...frame.decorations, levels, colours });
       const cursor = chart.cursorTime;
       showValues(frame, cursor ?? frame.decorations.moment ?? Infinity);
       return cursor;
@@ -124,12 +180,16 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
       chart.resize(element);
     });
     observer.observe(element);
+    const endKeys = readByKeys(element, chart, events, () => {
+      if (spoken.current) spoken.current.textContent = readingOf(definition, values.current, scale, chart.cursorTime);
+    });
     return () => {
       observer.disconnect();
+      endKeys();
       withdraw();
       chart.destroy();
     };
-  }, [definition, timed, scale, colorScheme, events, register, showValues, comparing]);
+  }, [definition, timed, scale, colorScheme, contrast, events, register, showValues, comparing]);
 
   return (
     <figure className={styles.plot} aria-label={`${definition.title} over mission time`}>
@@ -142,9 +202,11 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
           what={`the plot of ${definition.title.toLowerCase()}`}
           name={`${source.file}-${definition.id}`}
           draw={() => plotFigure(figureOf(definition, scale, last.current, source))}
+          table={() => figureTable(figureOf(definition, scale, last.current, source))}
         />
       </figcaption>
-      <div ref={place} className={styles.chart} />
+      <div ref={place} className={styles.chart} tabIndex={0} role="application" aria-label={`${definition.title}: arrows read, + and − zoom, Home shows the whole`} />
+      <span ref={spoken} className="visually-hidden" role="status" />
     </figure>
   );
 }

@@ -1,11 +1,14 @@
 /** The mission over time: every plot on one clock and one cursor. */
-import { SegmentedControl } from "@mantine/core";
+import { ActionIcon, SegmentedControl } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
-import { useMemo, useRef, useState, type Dispatch, type SetStateAction } from "react";
+import { useEffect, useMemo, useRef, useState, type Dispatch, type SetStateAction } from "react";
 import { useStore, useView, useViewOf } from "../../store/context";
 import type { MissionStore } from "../../store/mission";
+import { keepMoment, momentOf } from "../../store/moment";
+import { subscribe } from "../../store/route";
 import { useRefresh } from "../../store/use-refresh";
 import { Panel } from "../../ui/Panel";
+import { Icon } from "../../ui/theme/Icon";
 import { useKept } from "../../ui/use-kept";
 import type { ChartEvents } from "./chart";
 import { comparedWith, useComparison } from "./compared";
@@ -14,9 +17,10 @@ import type { FigureSource } from "./figure-of";
 import { Plot } from "./Plot";
 import styles from "./PlotPanel.module.css";
 import { PlotTools } from "./PlotTools";
+import { placedIn, usePrediction, type Prediction } from "./prediction";
 import { BESIDE, PAIR_NAMES, PAIRS } from "./plot-set";
 import { chosen, FOLLOW, rangeOf, zoomedAbout, type TimeView } from "./timeview";
-import { useDrawing, type Details } from "./use-drawing";
+import { aheadOf, useDrawing, type Details } from "./use-drawing";
 
 /** Room for all plots at once. */
 const WIDE = "(min-width: 1700px)";
@@ -49,6 +53,7 @@ function useFigureSource(): FigureSource {
 /** What the mouse does in every plot. */
 function useChartEvents(setView: Dispatch<SetStateAction<TimeView>>, touch: () => void): ChartEvents {
   const store = useStore();
+  const prediction = usePrediction();
   return useMemo<ChartEvents>(
     () => ({
       select: (one, other) => {
@@ -58,21 +63,59 @@ function useChartEvents(setView: Dispatch<SetStateAction<TimeView>>, touch: () =
         setView((old) => ({ ...old, zoomed: null }));
       },
       wheel: (moment, factor) => {
-        setView((old) => ({ ...old, zoomed: zoomedAbout(rangeOf(old, newestIn(store), store.series.firstMotion), moment, factor) }));
+        const now = newestIn(store);
+        const ahead = aheadOf(placedIn(prediction, store.series, now), now);
+        setView((old) => ({ ...old, zoomed: zoomedAbout(rangeOf(old, now, store.series.firstMotion, ahead), moment, factor) }));
       },
       moment: (moment) => {
         store.source.playback?.seek(moment);
       },
       cursor: touch,
     }),
-    [store, setView, touch],
+    [store, prediction, setView, touch],
   );
 }
 
+/** Which prediction is drawn behind the curves. */
+function Predicted({ prediction }: { readonly prediction: Prediction }) {
+  const { words, dismiss } = prediction;
+  return (
+    <span className={styles.predicted} title={`Predicted by the last rehearsal, ${words}: 5 to 95 % of its futures filled, the median dashed. It begins where its request is given.`}>
+      <i aria-hidden="true" />
+      <span>
+        Predicted<span className={styles.case}>{` ${words}`}</span>
+      </span>
+      {dismiss !== null && (
+        <ActionIcon size={16} variant="subtle" color="gray" aria-label="Take the prediction out of the plots" onClick={dismiss}>
+          <Icon icon="cross" size={9} />
+        </ActionIcon>
+      )}
+    </span>
+  );
+}
+
+/** What is shown of a stored run is part of the address, which opens it again. */
+function useTimeView(following: boolean): [TimeView, Dispatch<SetStateAction<TimeView>>] {
+  const [view, setView] = useState<TimeView>(() => (following ? FOLLOW : { ...FOLLOW, window: 0, zoomed: momentOf(location.hash).range }));
+  const { zoomed } = view;
+  useEffect(() => {
+    if (!following) keepMoment({ range: zoomed });
+  }, [following, zoomed]);
+  useEffect(() => {
+    if (following) return undefined;
+    return subscribe(() => {
+      const { range } = momentOf(location.hash);
+      if (range !== null) setView((old) => ({ ...old, zoomed: range }));
+    });
+  }, [following]);
+  return [view, setView];
+}
+
 export function PlotPanel() {
+  const prediction = usePrediction();
   const store = useStore();
   const following = store.source.playback === null;
-  const [view, setView] = useState<TimeView>(following ? FOLLOW : { ...FOLLOW, window: 0 });
+  const [view, setView] = useTimeView(following);
   const [pair, setPair] = useKept("becalm-plots", "contact", PAIR_NAMES);
   const wide = useMediaQuery(WIDE, window.matchMedia(WIDE).matches);
   // The grid is filled row by row, so that each pair stands in a column of its own.
@@ -89,6 +132,7 @@ export function PlotPanel() {
 
   const aside = (
     <>
+      {prediction !== null && <Predicted prediction={prediction} />}
       <span ref={time} className={styles.time} />
       <SegmentedControl
         aria-label="Plots shown"

@@ -6,8 +6,10 @@ import type { CanvasColours } from "../../ui/theme/canvas";
 import { decimalsOf, fixed, type Shown } from "../../units/units";
 import { drawLevels, drawMoment, drawPeaks, drawPhases, drawTouches, type Decorations } from "./decorations";
 import { comparedSlice, type Compared } from "./compared";
+import { drawPrediction } from "./fan";
 import { instantOfPeak } from "./peaks";
 import type { PlotDefinition } from "./plot-set";
+import { extentOf, type Placed } from "./prediction";
 import { timeLabels } from "./timeview";
 import type { Range } from "../../source/source";
 
@@ -15,6 +17,14 @@ const CURSORS = uPlot.sync("becalm-time");
 const AXIS_WIDTH = 52;
 const AXIS_HEIGHT = 22;
 const WHEEL_STEP = 1.25;
+
+/** What is drawn of the mission. */
+export interface ChartContent {
+  readonly series: Series;
+  readonly range: Range;
+  readonly compared: Compared | null;
+  readonly predicted: Placed | null;
+}
 
 export interface ChartEvents {
   /** A stretch was drawn with the mouse, between two times. */
@@ -32,6 +42,9 @@ export interface ChartEvents {
 export class Chart {
   private readonly plot: uPlot;
   private decorations: Decorations | null = null;
+  private predicted: Placed | null = null;
+  /** What is predicted within view, in the unit of the axis. */
+  private predictedRange: readonly [number, number] = [Infinity, -Infinity];
   /** The highest peak that is marked in view. */
   private peak = -Infinity;
   private peakInstants: readonly number[] = [];
@@ -62,10 +75,12 @@ export class Chart {
     this.plot.setSize({ width: place.clientWidth, height: place.clientHeight });
   }
 
-  draw(series: Series, range: Range, decorations: Decorations, compared: Compared | null): void {
+  draw({ series, range, compared, predicted }: ChartContent, decorations: Decorations): void {
     const from = Math.max(0, series.rowAt(range.from) - 1);
     const to = Math.min(series.length, series.rowAt(range.to) + 1);
     this.decorations = decorations;
+    this.predicted = predicted;
+    this.predictedRange = this.predictedWithin(range);
     this.peakInstants = this.definition.peaks ? decorations.touches.map((touch) => instantOfPeak(series, touch)) : [];
     this.peak = this.definition.peaks ? highestPeak(decorations.touches, range) : -Infinity;
     const quantities = this.definition.curves.map(({ quantity }) => quantity);
@@ -81,6 +96,18 @@ export class Chart {
   get cursorTime(): number | null {
     const left = this.plot.cursor.left ?? -1;
     return left < 0 ? null : this.plot.posToVal(left, "x");
+  }
+
+  /** Moves the cursor by that part of the width; from the newest value where there was none. */
+  moveCursor(share: number): void {
+    const { width, height } = this.plot.over.getBoundingClientRect();
+    const before = this.plot.cursor.left ?? -1;
+    const left = Math.min(width - 1, Math.max(0, (before < 0 ? width : before) + share * width));
+    this.plot.setCursor({ left, top: height / 2 });
+  }
+
+  hideCursor(): void {
+    this.plot.setCursor({ left: -10, top: -10 });
   }
 
   destroy(): void {
@@ -115,7 +142,9 @@ export class Chart {
       hooks: {
         drawClear: [
           (plot) => {
-            if (this.decorations) drawPhases(plot, this.decorations);
+            if (this.decorations === null) return;
+            drawPhases(plot, this.decorations);
+            if (this.predicted) drawPrediction(plot, this.predicted, this.definition.curves, this.shown.factor, this.decorations.colours);
           },
         ],
         draw: [
@@ -167,11 +196,23 @@ export class Chart {
   /** As wide as the data, at least as wide as the definition says, with some air. */
   private yRange(low: number | null, high: number | null): [number, number] {
     const [least, most] = this.definition.least.map((value) => value * this.shown.factor) as [number, number];
-    const bottom = Math.min(low ?? least, least);
-    const top = Math.max(high ?? most, most, this.peak);
+    const [lowest, highest] = this.predictedRange;
+    const bottom = Math.min(low ?? least, least, lowest);
+    const top = Math.max(high ?? most, most, this.peak, highest);
     const span = top - bottom;
     // The names of the phases stand in the air above the curves.
     return [bottom === 0 ? 0 : bottom - 0.08 * span, top + 0.22 * span];
+  }
+
+  private predictedWithin({ from, to }: Range): readonly [number, number] {
+    const placed = this.predicted;
+    if (placed === null) return [Infinity, -Infinity];
+    const extents = this.definition.curves.flatMap(({ quantity }) => {
+      const band = placed.prediction.bands.get(quantity);
+      return (band && extentOf(band, placed.shift, from, to)) ?? [];
+    });
+    const values = extents.map((value) => value * this.shown.factor);
+    return [Math.min(Infinity, ...values), Math.max(-Infinity, ...values)];
   }
 
   /** Of plots that stand above one another only the lowest names the times. */

@@ -30,6 +30,7 @@ export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFr
   const quantities = definition.curves.map(({ quantity }) => quantity);
   const [from, to] = [Math.max(0, series.rowAt(range.from) - 1), Math.min(series.length, series.rowAt(range.to) + 1)];
   const own = definition.curves.map((curve, index): FigureCurve => ({
+    name: nameOf(definition.curves, index),
     label: nameOf(definition.curves, index),
     colour: colourOf(curve),
     dash: curve.dash,
@@ -41,10 +42,10 @@ export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFr
   const theirs = others.map((values, index): FigureCurve => {
     const curve = definition.curves[index];
     if (curve === undefined) throw new Error("A curve without a definition.");
-    return { label: "", colour: colourOf(curve), dash: curve.dash, width: WIDTHS.compared, times, values: scaled(values) };
+    return { name: `other run, ${nameOf(definition.curves, index)}`, label: "", colour: colourOf(curve), dash: curve.dash, width: WIDTHS.compared, times, values: scaled(values) };
   });
   // Named once: a name for each curve of both would not fit beside one another.
-  const sign: FigureCurve = { label: "other run, thinner", colour: "#666666", width: WIDTHS.compared, times: [], values: [] };
+  const sign: FigureCurve = { name: "", label: "other run, thinner", colour: "#666666", width: WIDTHS.compared, times: [], values: [] };
   return {
     title: definition.title,
     subtitle: source.other === null ? source.words : `${source.words}; other run ${source.other}`,

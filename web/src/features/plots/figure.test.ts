@@ -7,7 +7,7 @@ const FIGURE: PlotFigure = {
   yLabel: "Force, N",
   range: { from: 2, to: 6 },
   least: [0, 0.6],
-  curves: [{ label: "Left", colour: "#0072b2", width: 1.4, times: [1, 2, 3, 4, 5, 6, 7], values: [9, 0, 1.2, Number.NaN, 0.4, 0, 9] }],
+  curves: [{ name: "Left", label: "Left", colour: "#0072b2", width: 1.4, times: [1, 2, 3, 4, 5, 6, 7], values: [9, 0, 1.2, Number.NaN, 0.4, 0, 9] }],
   levels: [{ label: "direct caging", value: 1.13 }],
   phases: [{ phase: "caging", start: 0, end: 8 }],
   touches: [{ arm: "left", start: 2.5, end: null, peak: 1.2, planned: true }],

@@ -5,12 +5,15 @@ import type { Touch } from "../../api/types";
 import { PHASE_WORDS } from "../../source/phases";
 import type { PhaseSpan } from "../../source/series";
 import { escaped, FIGURE_FONT } from "../../ui/export/figure-file";
+import { csvCell } from "../../ui/export/csv";
 import { decimalsOf, fixed } from "../../units/units";
 import type { Level } from "./plot-set";
 import type { Range } from "../../source/source";
 
 export interface FigureCurve {
-  /** In the legend. */
+  /** In a table of its values. */
+  readonly name: string;
+  /** In the legend; empty where another curve names it, too. */
   readonly label: string;
   readonly colour: string;
   readonly dash?: readonly number[] | undefined;
@@ -143,6 +146,18 @@ function legend(curves: readonly FigureCurve[]): string {
       return sign + text(from + 25, 55, label);
     })
     .join("");
+}
+
+/** The values of what is drawn, over the stretch that is shown: a line for each instant, a second recording after the first. */
+export function figureTable({ curves, range, yLabel }: Pick<PlotFigure, "curves" | "range" | "yLabel">): string {
+  const lines = [["curve", "time_s", yLabel]];
+  for (const { name, times, values } of curves) {
+    for (let row = 0; row < times.length; row += 1) {
+      const [time, value] = [times[row] ?? Number.NaN, values[row] ?? Number.NaN];
+      if (time >= range.from && time <= range.to && Number.isFinite(value)) lines.push([name, String(time), String(value)]);
+    }
+  }
+  return `${lines.map((line) => line.map(csvCell).join(",")).join("\r\n")}\r\n`;
 }
 
 export function plotFigure(figure: PlotFigure): string {

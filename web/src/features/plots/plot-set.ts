@@ -70,10 +70,15 @@ const jointRates = (arm: "left" | "right"): PlotDefinition => ({
 const CONTACT: readonly PlotDefinition[] = [
   {
     id: "forces",
-    title: "Tip force, resultant of each hand",
+    title: "Tip force, felt / asked for",
     axis: "Force",
     decimals: 3,
-    curves: ofHands("leftForce", "rightForce"),
+    curves: [
+      { quantity: "leftForce", label: "Left", token: "left" },
+      { quantity: "leftWantedForce", label: "", token: "left", dash: [2, 3] },
+      { quantity: "rightForce", label: "Right", token: "right", dash: [7, 2] },
+      { quantity: "rightWantedForce", label: "", token: "right", dash: [2, 3] },
+    ],
     peaks: true,
     least: [0, 0.6],
     levels: ({ config }) => (config ? [{ label: "direct caging", value: config.judging.force_bound }] : []),

@@ -20,10 +20,14 @@ export interface TimeView {
 
 export const FOLLOW: TimeView = { window: 30, zoomed: null, pausedAt: null };
 
-/** What is shown when the mission has come to `now`, having left idle at `firstMotion`. */
-export function rangeOf(view: TimeView, now: number, firstMotion: number): Range {
+/** What is predicted has at most so much of a window that follows the mission. */
+const AHEAD_SHARE = 0.5;
+
+/** What is shown when the mission has come to `now`, having left idle at `firstMotion`, with so many seconds predicted ahead of it. */
+export function rangeOf(view: TimeView, now: number, firstMotion: number, ahead = 0): Range {
   if (view.zoomed) return view.zoomed;
-  const end = view.pausedAt ?? now;
+  const room = view.window === 0 ? ahead : Math.min(ahead, AHEAD_SHARE * view.window);
+  const end = (view.pausedAt ?? now) + Math.max(0, room);
   const begin = Math.max(0, firstMotion - LEAD);
   if (view.window === 0) return { from: begin, to: Math.max(end, begin + LEAST_WHOLE) };
   return { from: Math.max(0, end - view.window), to: Math.max(end, view.window) };

@@ -7,6 +7,7 @@ import { clock } from "../../units/units";
 import { comparedWith, useComparison, type Compared, type Comparison } from "./compared";
 import { seriesFor, type Detail } from "./detail";
 import { Pace } from "./pace";
+import { placedIn, usePrediction, type Placed, type Prediction } from "./prediction";
 import type { DrawPlot, PlotFrame } from "./Plot";
 import { rangeOf, type TimeView } from "./timeview";
 
@@ -27,16 +28,18 @@ interface Shown {
   readonly view: TimeView;
   readonly details: Details;
   readonly comparison: Comparison | null;
+  readonly prediction: Prediction | null;
 }
 
 const endOf = (series: Series): number => series.at("time", series.length - 1) || 0;
 
-function frameOf(store: MissionStore, { view, details, comparison }: Shown): PlotFrame {
+function frameOf(store: MissionStore, { view, details, comparison, prediction }: Shown): PlotFrame {
   const { series, source } = store;
   const { snapshot, config, touches } = store.read();
   const other = comparison && comparedWith(series, comparison.store.series, comparison.align);
   const now = Math.max(endOf(series), other === null ? 0 : endOf(other.series) + other.shift);
-  const range = rangeOf(view, now, series.firstMotion);
+  const predicted = placedIn(prediction, series, endOf(series));
+  const range = rangeOf(view, now, series.firstMotion, aheadOf(predicted, now));
   const compared: Compared | null = other && {
     shift: other.shift,
     series: seriesFor(details.compared, { from: range.from - other.shift, to: range.to - other.shift }, other.series),
@@ -45,16 +48,21 @@ function frameOf(store: MissionStore, { view, details, comparison }: Shown): Plo
     series: seriesFor(details.own, range, series),
     whole: series,
     compared,
+    predicted,
     range,
     known: { snapshot, config },
     decorations: { phases: series.phaseSpans(), touches, moment: source.playback?.read().time ?? null },
   };
 }
 
+/** Seconds that are predicted ahead of now. */
+export const aheadOf = (placed: Placed | null, now: number): number => (placed === null ? 0 : placed.end - now);
+
 /** @param time shows the mission time under the cursor. */
 export function useDrawing(view: TimeView, details: Details, time: RefObject<HTMLElement | null>): Drawing {
   const store = useStore();
   const comparison = useComparison();
+  const prediction = usePrediction();
   const draws = useRef(new Set<DrawPlot>());
   const dirty = useRef(true);
 
@@ -71,7 +79,7 @@ export function useDrawing(view: TimeView, details: Details, time: RefObject<HTM
       const begun = performance.now();
       dirty.current = false;
       drawn = version();
-      const content = frameOf(store, { view, details, comparison });
+      const content = frameOf(store, { view, details, comparison, prediction });
       let moment: number | null = null;
       for (const draw of draws.current) moment = draw(content) ?? moment;
       if (time.current) time.current.textContent = moment === null ? "" : `at ${clock(moment)}`;
@@ -85,7 +93,7 @@ export function useDrawing(view: TimeView, details: Details, time: RefObject<HTM
       withdraw?.();
       cancelAnimationFrame(request);
     };
-  }, [store, view, details, time, comparison]);
+  }, [store, view, details, time, comparison, prediction]);
 
   const touch = useCallback(() => {
     dirty.current = true;

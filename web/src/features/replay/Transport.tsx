@@ -2,7 +2,9 @@
 import { ActionIcon, Button, Slider } from "@mantine/core";
 import { useEffect, useSyncExternalStore } from "react";
 import { SPEEDS, type Playback } from "../../source/playback";
+import { keepMoment } from "../../store/moment";
 import { Choice } from "../../ui/Choice";
+import { CopyButton } from "../../ui/CopyButton";
 import { Icon } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import styles from "./ReplayPanel.module.css";
@@ -66,6 +68,7 @@ export function Transport({ playback }: { readonly playback: Playback }) {
         data={SPEEDS.map((value) => ({ value: String(value), label: `${value} ×` }))}
         onChange={(value) => { playback.setSpeed(Number(value)); }}
       />
+      <CopyButton label="Copy link" title="Copy the address of this moment, with the stretch that the plots show" text={() => { keepMoment({ time }); return location.href; }} />
     </div>
   );
 }

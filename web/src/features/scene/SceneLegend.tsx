@@ -11,6 +11,8 @@ const MARKS: readonly (readonly [sign: string, name: string, words: string])[] =
   ["ellipse", "Ellipse at a wrist", "the speeds its arm can give the hand; flat: near a singularity"],
   ["ghost", "Dashed box", "where the target is expected when the plan ends"],
   ["goal", "Dashed line with a pale hand", "the planned path of a hand, and where it ends"],
+  ["future", "Violet lines and hands", "the most likely future of a rehearsal, and where it ends"],
+  ["worst", "Red lines", "its worst future; faint lines are others"],
   ["trail", "Lines on the table", "where the target and the hands have been"],
   ["cage", "Green fence between the tips", "the cage: faint while open, bright when closed, solid when locked"],
 ];

@@ -9,18 +9,20 @@ import { useConfiguration, useNamedConfigurations } from "../../store/configurat
 import { Icon } from "../../ui/theme/Icon";
 import { Choice } from "../../ui/Choice";
 import type { ChoiceOption } from "../../ui/options";
+import { useKeptJson } from "../../ui/use-kept-json";
 import { SuggestInput } from "../../ui/SuggestInput";
 import { useReasonByRole } from "../access/session";
-import { EMPTY_DRAFT, readDraft, type DraftRead, type StudyDraft } from "./definition";
+import { readDraft, readKeptDraft, type DraftRead, type StudyDraft } from "./definition";
 import styles from "./StudiesPage.module.css";
 import { useEstimate } from "./use-estimate";
 import { estimateWords, valuesWords } from "./labels";
 
 const PUBLISHED: StudyRequest = { study: "published", changes: {}, confirm: false };
 
+/** Of what can vary: a column of a study's table holds no list. */
 function usePaths(): ChoiceOption[] {
   const { parameters } = useConfiguration();
-  return parameters.map(({ path, description, unit }) => ({ value: path, label: `${description} [${unit}]` }));
+  return parameters.filter(({ type }) => type !== "points").map(({ path, description, unit }) => ({ value: path, label: `${description} [${unit}]` }));
 }
 
 /** The named configurations of the service; while it has not listed them, the one that is chosen. */
@@ -156,7 +158,7 @@ function Start({ request, faults, estimate, refusal, onStarted }: {
 }
 
 export function NewStudy({ onStarted }: { readonly onStarted: (id: string) => void }) {
-  const [draft, setDraft] = useState(EMPTY_DRAFT);
+  const [draft, setDraft] = useKeptJson("becalm-study-draft", readKeptDraft, "tab");
   const [open, setOpen] = useState<"published" | "own" | null>(null);
   const own = readDraft(draft);
   const request = open === "published" ? PUBLISHED : open === "own" ? own.request : null;

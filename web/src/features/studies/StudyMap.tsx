@@ -1,12 +1,13 @@
 /** The map of a grid study as one SVG: a panel for each value of the third axis, the published ones beside. */
-import { memo, type SVGProps } from "react";
-import type { StudyDetail, StudyRow } from "../../api/types";
+import { memo, type KeyboardEvent, type SVGProps } from "react";
+import type { StudyRow } from "../../api/types";
 import { FAILED_STYLE, inOrder, classStyle } from "../glossary/class-style";
 import { FIGURE_FONT } from "../../ui/export/figure-file";
 import { shown as shownUnit, plain } from "../../units/units";
 import { axisTitle, geometryWith, LABEL_SIZE, LEGEND_MARGIN, LEGEND_STEP, legendPlaces, LETTERED_CELL, TITLE_SIZE, type Frame, type Geometry } from "./geometry";
-import { panelsOf, rangeOf, shownAt, type GridAxis, type Panel, type Shown, type Spread, type Value } from "./layout";
+import { panelsOf, rangeOf, shownAt, type GridAxis, type Mapped, type Panel, type Shown, type Spread, type Value } from "./layout";
 import type { PublishedClasses } from "./published";
+import { numberWords } from "./ticks";
 import type { Rows } from "./use-study";
 import { inkOn, viridis } from "./viridis";
 
@@ -26,7 +27,7 @@ export interface Caption {
 }
 
 export interface MapProps {
-  readonly study: StudyDetail;
+  readonly study: Mapped;
   readonly rows: Rows;
   readonly spread: Spread;
   readonly chosen: ReadonlyMap<string, number>;
@@ -38,6 +39,16 @@ export interface MapProps {
   readonly selected: number | null;
   /** Null where the picture is a figure, and nothing in it can be pressed. */
   readonly onSelect: ((cell: number) => void) | null;
+  /** Told which cell the pointer or the focus is on. */
+  readonly onPoint?: (cell: number) => void;
+  /** How sure what a cell shows is, 0 to 1: its opacity. */
+  readonly sureness?: (row: StudyRow) => number;
+  /** What more is said of a cell where it is named. */
+  readonly detail?: (row: StudyRow) => string;
+  /** What the colours of numbers span; what there is without it. */
+  readonly span?: readonly [number, number] | null;
+  /** A point to mark, in places of both axes, between two of them too. */
+  readonly mark?: { readonly x: number; readonly y: number; readonly label: string } | null;
   /** Of a figure. */
   readonly caption: Caption | null;
 }
@@ -75,6 +86,7 @@ function colouringOf(range: readonly [number, number] | null, paper: Paper): Col
 function words(shown: Shown): string {
   if (shown.kind === "class") return `${classStyle(shown.name).words}${shown.share < 1 ? ` (${Math.round(100 * shown.share)} %)` : ""}`;
   if (shown.kind === "number") return plain(shown.value);
+  if (shown.kind === "none") return "no value";
   return shown.kind === "failed" ? FAILED_STYLE.words : "not run yet";
 }
 
@@ -101,7 +113,10 @@ interface CellProps {
   readonly y: number;
   readonly width: number;
   readonly height: number;
+  /** Column and line, for the keys that go from cell to cell. */
+  readonly place: string;
   readonly colour: string;
+  readonly opacity: number;
   readonly ink: string;
   readonly letter: string;
   readonly label: string;
@@ -111,14 +126,15 @@ interface CellProps {
   readonly reached: boolean;
   readonly paper: Paper;
   readonly onSelect: ((cell: number) => void) | null;
+  readonly onPoint: ((cell: number) => void) | undefined;
 }
 
 /** Drawn again only where it has changed: a map may have ten thousand. */
-const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, colour, ink, letter, label, shown, differs, chosen, reached, paper, onSelect }: CellProps) {
+const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, place, colour, opacity, ink, letter, label, shown, differs, chosen, reached, paper, onSelect, onPoint }: CellProps) {
   const small = Math.min(width, height);
   const picture = (
     <>
-      <rect x={x} y={y} width={width} height={height} fill={colour} {...(small >= 8 ? { stroke: paper.page, strokeWidth: 1 } : {})} />
+      <rect x={x} y={y} width={width} height={height} fill={colour} {...(opacity < 1 ? { fillOpacity: opacity } : {})} {...(small >= 8 ? { stroke: paper.page, strokeWidth: 1 } : {})} />
       {letter !== "" && small >= LETTERED_CELL && (
         <text x={x + width / 2} y={y + height / 2 + 3.300} textAnchor="middle" fontSize={9} fill={ink} fillOpacity={0.85}>
           {letter}
@@ -131,6 +147,9 @@ const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, colo
   const select = () => {
     onSelect(cell);
   };
+  const point = () => {
+    onPoint?.(cell);
+  };
   return (
     <g
       role="button"
@@ -139,8 +158,11 @@ const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, colo
       aria-pressed={chosen}
       data-cell={printed ? undefined : cell}
       data-shown={shown}
+      data-place={place}
       style={{ cursor: "pointer", outlineOffset: -2 }}
       onClick={select}
+      onFocus={point}
+      onPointerEnter={point}
       onKeyDown={(event) => {
         if (event.key === "Enter" || event.key === " ") select();
       }}
@@ -154,7 +176,7 @@ const MapCell = memo(function MapCell({ cell, printed, x, y, width, height, colo
 
 /** What is known of one place of a panel, in the words and colours of its cell. */
 function cellOf(props: PanelProps, place: Panel["places"][number]): CellProps {
-  const { spread, panel, rows, column, published, colouring, printed, paper, selected, onSelect, geometry } = props;
+  const { spread, panel, rows, column, published, colouring, printed, paper, selected, onSelect, onPoint, sureness, detail, geometry } = props;
   const lines = spread.y?.values.length ?? 1;
   const [xValue, yValue] = [axisValue(spread.x, place.column), axisValue(spread.y, place.row)];
   const theirs = published?.at(panel.facet, xValue, yValue) ?? null;
@@ -163,6 +185,8 @@ function cellOf(props: PanelProps, place: Panel["places"][number]): CellProps {
   const shown: Shown = printed ? (theirs === null ? { kind: "empty" } : { kind: "class", name: theirs, share: 1 }) : ours;
   const differs = !printed && theirs !== null && ours.kind === "class" && ours.name !== theirs;
   const where = [axisTitle(spread.x), valueWords(xValue ?? ""), spread.y ? axisTitle(spread.y) : "", valueWords(yValue ?? "")].join(" ");
+  const [row] = printed ? [] : flown;
+  const more = row !== undefined && detail !== undefined ? `; ${detail(row)}` : "";
   const chosen = !printed && selected !== null && place.cells.includes(selected);
   return {
     cell: place.cells[0] ?? 0,
@@ -171,16 +195,19 @@ function cellOf(props: PanelProps, place: Panel["places"][number]): CellProps {
     y: geometry.top + (lines - 1 - place.row) * geometry.cell,
     width: geometry.wide,
     height: geometry.cell,
+    place: `${place.column} ${place.row}`,
     colour: colouring.colour(shown),
+    opacity: row === undefined || sureness === undefined ? 1 : sureness(row),
     ink: colouring.ink(shown),
     letter: colouring.letter(shown),
-    label: `${where}: ${words(shown)}${differs ? `; published ${classStyle(theirs).words}` : ""}`,
+    label: `${where}: ${words(shown)}${differs ? `; published ${classStyle(theirs).words}` : ""}${more}`,
     shown: shown.kind === "class" ? shown.name : shown.kind,
     differs,
     chosen,
     reached: chosen || (selected === null && place.column === 0 && place.row === 0 && !printed),
     paper,
     onSelect,
+    onPoint,
   };
 }
 
@@ -218,10 +245,35 @@ function Axes({ spread, geometry, paper }: { readonly spread: Spread; readonly g
   );
 }
 
-function MapPanel(props: PanelProps) {
-  const { spread, panel, title, paper, geometry, x, y } = props;
+const STEPS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+/** An arrow key goes to the neighbouring cell. */
+function goToNeighbour(event: KeyboardEvent<SVGGElement>): void {
+  const step = STEPS[event.key];
+  const place = (event.target as Element).getAttribute("data-place");
+  if (step === undefined || place === null) return;
+  const [column = 0, row = 0] = place.split(" ").map(Number);
+  event.preventDefault();
+  event.currentTarget.querySelector<SVGGElement>(`[data-place="${column + step[0]} ${row + step[1]}"]`)?.focus();
+}
+
+/** Where on the map something stands: a ring that is seen on every colour. */
+function Mark({ mark, spread, geometry, paper }: { readonly mark: NonNullable<MapProps["mark"]>; readonly spread: Spread; readonly geometry: Geometry; readonly paper: Paper }) {
+  const lines = spread.y?.values.length ?? 1;
+  const [x, y] = [geometry.left + (mark.x + 0.5) * geometry.wide, geometry.top + (lines - mark.y - 0.5) * geometry.cell];
   return (
-    <g transform={`translate(${x} ${y})`} {...(props.onSelect === null ? {} : { role: "group", "aria-label": title })}>
+    <g transform={`translate(${x} ${y})`} fill="none" style={{ pointerEvents: "none" }} role="img" aria-label={mark.label}>
+      <circle r={6} stroke={paper.page} strokeWidth={4} />
+      <circle r={6} stroke={paper.ink} strokeWidth={2} />
+      <circle r={1.500} fill={paper.ink} stroke={paper.page} strokeWidth={0.800} />
+    </g>
+  );
+}
+
+function MapPanel(props: PanelProps) {
+  const { spread, panel, title, paper, geometry, mark, x, y } = props;
+  return (
+    <g transform={`translate(${x} ${y})`} {...(props.onSelect === null ? {} : { role: "group", "aria-label": title, onKeyDown: goToNeighbour })}>
       <text x={geometry.left} y={geometry.top - 10} fontSize={12.500} fontWeight={600} fill={paper.ink}>
         {title}
       </text>
@@ -229,6 +281,7 @@ function MapPanel(props: PanelProps) {
         <MapCell key={`${place.column} ${place.row}`} {...cellOf(props, place)} />
       ))}
       <Axes spread={spread} geometry={geometry} paper={paper} />
+      {mark && <Mark mark={mark} spread={spread} geometry={geometry} paper={paper} />}
     </g>
   );
 }
@@ -264,16 +317,17 @@ const SHADES = 44;
 
 /** Rectangles rather than a gradient: every program that opens the figure draws them alike. */
 export function NumberLegend({ range, title, paper, x, y }: { readonly range: readonly [number, number]; readonly title: string; readonly paper: Paper; readonly x: number; readonly y: number }) {
+  const [low, high] = numberWords(range);
   return (
     <g transform={`translate(${x} ${y})`}>
       {Array.from({ length: SHADES }, (_, place) => (
         <rect key={place} x={place * 5} width={5.500} height={11} fill={viridis(place / (SHADES - 1))} />
       ))}
       <text y={23} fontSize={LABEL_SIZE} fill={paper.dim}>
-        {plain(Number(range[0].toPrecision(3)))}
+        {low}
       </text>
       <text x={SHADES * 5} y={23} fontSize={LABEL_SIZE} textAnchor="end" fill={paper.dim}>
-        {plain(Number(range[1].toPrecision(3)))}
+        {high}
       </text>
       <text x={SHADES * 5 + 12} y={10} fontSize={TITLE_SIZE} fill={paper.ink}>
         {title}
@@ -308,7 +362,7 @@ export function legendNames(rows: Rows, column: string, published: PublishedClas
 }
 
 /** A column as a person reads it: its name, and its unit if it has one. */
-export function columnTitle(study: StudyDetail, column: string): string {
+export function columnTitle(study: Pick<Mapped, "columns">, column: string): string {
   const unit = unitOf(study.columns.find((each) => each.name === column)?.unit ?? "1");
   const name = column.replaceAll("_", " ");
   return unit === "" ? name : `${name} [${unit}]`;
@@ -343,7 +397,7 @@ function NotPrinted({ title, paper, geometry, x, y }: { readonly title: string; 
 export function StudyMap(props: MapProps) {
   const { study, rows, spread, chosen, column, published, paper, frame, caption } = props;
   const panels = panelsOf(study, spread, chosen);
-  const range = rangeOf(rows.values(), column);
+  const range = props.span ?? rangeOf(rows.values(), column);
   const colouring = colouringOf(range, paper);
   const compared = published !== null;
   const names = legendNames(rows, column, published);

@@ -17,7 +17,7 @@ import { columnTitle, StudyMap, type Paper } from "./StudyMap";
 import { StudyScatter } from "./StudyScatter";
 import type { Rows } from "./use-study";
 
-const PAPERS: Readonly<Record<"dark" | "light", Paper>> = {
+export const PAPERS: Readonly<Record<"dark" | "light", Paper>> = {
   dark: { page: "#141920", ink: "#e9edf3", dim: "#a7b1bf", line: "#252d38", empty: "#232b36" },
   light: { page: "#fcfdfe", ink: "#12171e", dim: "#46515f", line: "#d3dae3", empty: "#e3e8ee" },
 };

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { axisOf, distributionOf, EMPTY_DRAFT, nested, readDraft, type StudyDraft } from "./definition";
+import { axisOf, distributionOf, EMPTY_DRAFT, nested, readDraft, readKeptDraft, type StudyDraft } from "./definition";
 
 describe("the values of an axis", () => {
   it.each<[string, unknown]>([
@@ -46,6 +46,14 @@ describe("a distribution", () => {
 
   it.each(["2,35 ± 0.1", "0.5", "0.5 .. 1.5 by 0.1", "1 ± 2 ± 3", ""])("%s is refused", (text) => {
     expect(distributionOf(text)).toHaveProperty("error");
+  });
+});
+
+describe("a draft that was kept", () => {
+  it("is read if it is a whole one", () => {
+    const draft = { ...EMPTY_DRAFT, name: "mine" };
+    expect(readKeptDraft(JSON.parse(JSON.stringify(draft)))).toEqual(draft);
+    for (const other of [null, "x", { name: "mine" }, { ...draft, grid: [{ path: 3 }] }, { ...draft, direct: "no" }]) expect(readKeptDraft(other)).toEqual(EMPTY_DRAFT);
   });
 });
 

@@ -36,6 +36,18 @@ export const EMPTY_DRAFT: StudyDraft = {
   method: "latin_hypercube",
 };
 
+const areLines = (value: unknown, names: readonly string[]): boolean =>
+  Array.isArray(value) && value.every((line: unknown) => typeof line === "object" && line !== null && names.every((name) => typeof (line as Record<string, unknown>)[name] === "string"));
+
+/** A draft that was kept, if it is a whole one; else an empty one. */
+export function readKeptDraft(kept: unknown): StudyDraft {
+  if (typeof kept !== "object" || kept === null) return EMPTY_DRAFT;
+  const draft = kept as Record<string, unknown>;
+  const texts = ["name", "configuration", "seed", "count", "method"].every((name) => typeof draft[name] === "string");
+  const whole = texts && typeof draft["direct"] === "boolean" && areLines(draft["grid"], ["path", "values"]) && areLines(draft["draws"], ["path", "distribution"]);
+  return whole ? (kept as StudyDraft) : EMPTY_DRAFT;
+}
+
 /** Where in the form something cannot be read: `grid 0` is the first line of the grid. */
 export type Place = `grid ${number}` | `draws ${number}` | "count" | "seed" | "lines";
 

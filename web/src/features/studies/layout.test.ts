@@ -47,7 +47,7 @@ describe("what a place shows", () => {
   it("tells a failed cell from one that was not flown", () => {
     expect(shownAt([{ peak: null, error: "odd" }], "peak")).toEqual({ kind: "failed" });
     expect(shownAt([], "peak")).toEqual({ kind: "empty" });
-    expect(shownAt([{ peak: null, error: null }], "peak")).toEqual({ kind: "empty" });
+    expect(shownAt([{ peak: null, error: null }], "peak")).toEqual({ kind: "none" });
   });
 
   it("has a range over all rows", () => {

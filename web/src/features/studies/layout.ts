@@ -2,6 +2,9 @@
 import type { StudyDetail, StudyRow } from "../../api/types";
 
 export type Axis = StudyDetail["axes"][number];
+/** What a map has to know of what is drawn: a study, or whatever else has cells over two axes. */
+export type Mapped = Pick<StudyDetail, "name" | "axes" | "columns" | "progress">;
+
 export type Value = NonNullable<Axis["values"]>[number];
 
 /** A grid axis: one that has its values listed. */
@@ -30,11 +33,11 @@ export interface Panel {
   readonly places: readonly Place[];
 }
 
-export const gridAxes = (study: StudyDetail): GridAxis[] =>
+export const gridAxes = (study: Mapped): GridAxis[] =>
   study.axes.filter((axis): axis is GridAxis => axis.values !== null);
 
 /** The last two axes of the grid across, as the paper draws its tables; the first of what is left from panel to panel. */
-export function usualSpread(study: StudyDetail): Spread | null {
+export function usualSpread(study: Mapped): Spread | null {
   const axes = gridAxes(study);
   const x = axes.at(-2) ?? axes.at(-1);
   if (x === undefined) return null;
@@ -43,20 +46,20 @@ export function usualSpread(study: StudyDetail): Spread | null {
 }
 
 /** How many draws stand at each place of the grid. */
-export function pointsOf(study: StudyDetail): number {
+export function pointsOf(study: Mapped): number {
   const places = gridAxes(study).reduce((count, axis) => count * axis.values.length, 1);
   return Math.max(1, Math.round(study.progress.total / places));
 }
 
 /** The cells at these places of the grid's axes, in the service's order: the last axis fastest, draws fastest of all. */
-export function cellsAt(study: StudyDetail, chosen: ReadonlyMap<string, number>): number[] {
+export function cellsAt(study: Mapped, chosen: ReadonlyMap<string, number>): number[] {
   const place = gridAxes(study).reduce((sum, axis) => sum * axis.values.length + (chosen.get(axis.path) ?? 0), 0);
   const points = pointsOf(study);
   return Array.from({ length: points }, (_, point) => place * points + point);
 }
 
 /** The panels of a map; axes that are not spread stay at their chosen place, the first if none is chosen. */
-export function panelsOf(study: StudyDetail, spread: Spread, chosen: ReadonlyMap<string, number>): Panel[] {
+export function panelsOf(study: Mapped, spread: Spread, chosen: ReadonlyMap<string, number>): Panel[] {
   const facets = spread.facet?.values ?? [null];
   return facets.map((facet, number) => ({
     facet,
@@ -71,11 +74,12 @@ export function panelsOf(study: StudyDetail, spread: Spread, chosen: ReadonlyMap
   }));
 }
 
-/** What a place shows: of classes the most frequent with its share, of numbers the mean. */
+/** What a place shows: of classes the most frequent with its share, of numbers the mean; `none` where what was run has none. */
 export type Shown =
   | { readonly kind: "class"; readonly name: string; readonly share: number }
   | { readonly kind: "number"; readonly value: number }
   | { readonly kind: "failed" }
+  | { readonly kind: "none" }
   | { readonly kind: "empty" };
 
 const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
@@ -96,7 +100,7 @@ export function shownAt(rows: readonly StudyRow[], column: string): Shown {
   if (flags.length > 0) return mostFrequent(flags.map(String));
   const numbers = values.filter((value) => typeof value === "number");
   if (numbers.length > 0) return { kind: "number", value: mean(numbers) };
-  return rows.some((row) => row["error"] !== null) ? { kind: "failed" } : { kind: "empty" };
+  return { kind: rows.some((row) => row["error"] !== null) ? "failed" : "none" };
 }
 
 /** The least and the largest number of a column; null if there is none. */

@@ -1,9 +1,9 @@
-/** A button that saves a figure as SVG, PNG or PDF. */
+/** A button that saves a figure as SVG, PNG or PDF, and its values as CSV. */
 import { ActionIcon, Button, Menu } from "@mantine/core";
 import { useState } from "react";
 import { Icon } from "../theme/Icon";
 import { EscNote } from "../EscNote";
-import { FIGURE_FORMATS, saveFigure, type FigureFormat } from "./figure-file";
+import { FIGURE_FORMATS, saveFigure, saveFile, type FigureFormat } from "./figure-file";
 
 const WORDS: Readonly<Record<FigureFormat, string>> = {
   svg: "SVG, to edit",
@@ -18,21 +18,23 @@ interface ExportMenuProps {
   readonly name: string;
   /** The figure as it is when it is asked for: markup of one `<svg>`. */
   readonly draw: () => string;
+  /** The same as a table with commas; without it there is none. */
+  readonly table?: () => string;
   /** An icon in place of the word, where room is short. */
   readonly compact?: boolean;
 }
 
-export function ExportMenu({ what, name, draw, compact = false }: ExportMenuProps) {
+export function ExportMenu({ what, name, draw, table, compact = false }: ExportMenuProps) {
   const [trouble, setTrouble] = useState<string | null>(null);
-  const save = (format: FigureFormat): void => {
+  const attempt = (work: () => Promise<void> | void): void => {
     setTrouble(null);
     Promise.resolve()
-      .then(() => saveFigure(draw(), name, format))
+      .then(work)
       .catch((cause: unknown) => {
         setTrouble(cause instanceof Error ? cause.message : String(cause));
       });
   };
-  const spoken = { "aria-label": `Export ${what}`, title: trouble ?? `Export ${what} as an image` };
+  const spoken = { "aria-label": `Export ${what}`, title: trouble ?? `Export ${what}${table === undefined ? " as an image" : ""}` };
   return (
     <Menu position="bottom-end" withinPortal>
       <Menu.Target>
@@ -51,12 +53,23 @@ export function ExportMenu({ what, name, draw, compact = false }: ExportMenuProp
           <Menu.Item
             key={format}
             onClick={() => {
-              save(format);
+              attempt(() => saveFigure(draw(), name, format));
             }}
           >
             {WORDS[format]}
           </Menu.Item>
         ))}
+        {table !== undefined && (
+          <Menu.Item
+            onClick={() => {
+              attempt(() => {
+                saveFile(new Blob([table()], { type: "text/csv" }), `${name}.csv`);
+              });
+            }}
+          >
+            CSV, the values
+          </Menu.Item>
+        )}
         <EscNote />
       </Menu.Dropdown>
     </Menu>

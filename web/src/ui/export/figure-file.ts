@@ -28,7 +28,7 @@ export const escaped = (text: string): string =>
 
 /** @throws Error if the browser cannot make a file of that format. */
 export async function saveFigure(markup: string, name: string, format: FigureFormat): Promise<void> {
-  save(await fileOf(markup, format), `${name}.${format}`);
+  saveFile(await fileOf(markup, format), `${name}.${format}`);
 }
 
 function fileOf(markup: string, format: FigureFormat): Promise<Blob> {
@@ -37,7 +37,8 @@ function fileOf(markup: string, format: FigureFormat): Promise<Blob> {
   return Promise.resolve(new Blob([`<?xml version="1.0" encoding="UTF-8"?>\n${markup}\n`], { type: "image/svg+xml" }));
 }
 
-function save(file: Blob, name: string): void {
+/** Has the browser keep a file under that name. */
+export function saveFile(file: Blob, name: string): void {
   const address = URL.createObjectURL(file);
   const link = document.createElement("a");
   link.href = address;
