@@ -26,7 +26,7 @@ NOT_YET = {
 @pytest.fixture
 async def names(tmp_path):
     """What a service says before its mission has begun."""
-    app = create_app(Settings(data_dir=tmp_path))
+    app = create_app(Settings(data_dir=tmp_path, configuration="published_figures"))
     async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as http:
         text = (await http.get("/metrics")).text
     return {sample.name for family in text_string_to_metric_families(text) for sample in family.samples}
