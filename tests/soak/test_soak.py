@@ -20,6 +20,7 @@ from benchmarks.stop import command, stop
 from server.access.roles import Role
 from server.access.tokens import TokenStore
 from sim.capture.mission import prepare
+from sim.config import MissionConfig
 
 SECONDS = float(os.environ.get("BECALM_SOAK_SECONDS", "20"))
 
@@ -62,7 +63,7 @@ class Wakefulness:
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A data folder in which tokens are needed; who has BECALM_TOKEN in the environment has one."""
-    prepare()
+    prepare(MissionConfig())
     secret = TokenStore(tmp_path / "access").create("ana", Role.ADMIN)
     monkeypatch.setenv("BECALM_TOKEN", secret)
     monkeypatch.setenv("BECALM_REQUIRE_TOKENS", "true")
