@@ -28,6 +28,7 @@ from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer
 from server.published import MissionSnapshot
 from server.rehearsals.look_ahead import LookAheadView
+from server.reports.formats import ReportFormat
 from sim.errors import CaptureError
 
 if TYPE_CHECKING:
@@ -252,6 +253,11 @@ def log_file(run_id: str, log_format: str) -> Call[bytes]:
     return Call("GET", _at("runs", run_id, "log"), _content, query={"format": log_format})
 
 
+def run_report(run_id: str, report_format: ReportFormat = "html") -> Call[bytes]:
+    """The report of a run, as the content of a html or pdf file."""
+    return Call("GET", _at("runs", run_id, "report"), _content, query={"format": report_format})
+
+
 def start_study(
     study: str | Mapping[str, Any],
     changes: Mapping[str, Any] | None = None,
@@ -278,6 +284,11 @@ def cancel_study(study_id: str) -> Call[StudyDetail]:
 def results(study_id: str) -> Call[DataFrame]:
     """The table of a study, a row a cell. Needs pandas."""
     return Call("GET", _at("studies", study_id, "results"), _dataframe, query={"format": "parquet"})
+
+
+def study_report(study_id: str, report_format: ReportFormat = "html") -> Call[bytes]:
+    """The report of a study, as the content of a html or pdf file."""
+    return Call("GET", _at("studies", study_id, "report"), _content, query={"format": report_format})
 
 
 def start_rehearsal(

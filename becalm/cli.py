@@ -172,6 +172,12 @@ Ctrl-C stops a study; the same command resumes it.
 """
 
 
+REPORT_EXAMPLES = """\b
+Examples:
+  becalm report latest --out run.pdf
+  becalm report 20261122T113000123-4f9a2c --out appendix.html
+"""
+
 REPRODUCE_EXAMPLES = """\b
 Examples:
   becalm reproduce
@@ -456,6 +462,20 @@ def fit(
     if keep_as is not None:
         fitting.keep(data, keep_as, runs[0], result)
     click.echo(result.model_dump_json() if as_json else fitting.as_text(result))
+
+
+@main.command(epilog=REPORT_EXAMPLES, short_help="Write the report of a recorded run, or of a study of the service.")
+@click.argument("identifier", metavar="RUN|STUDY")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Write to this file: .html or .pdf.")
+def report(*, identifier: str, out: Path) -> None:
+    """Write one page for an appendix on RUN (an identifier, or `latest`) or STUDY: what was flown, and what came of it.
+
+    A run: configuration, changes, verdict, figures, drawings, plots, touches, events. A study: what varied, how often
+    each class came, maps, measures.
+    """
+    from becalm import reporting  # noqa: PLC0415 - what draws takes a second to load
+
+    out.write_bytes(reporting.report(Settings.from_environment().data_dir, identifier, reporting.format_of(out)))
 
 
 @main.command("import", epilog=IMPORT_EXAMPLES, short_help="Make a run of a log from elsewhere, CSV or MCAP.")

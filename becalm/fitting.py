@@ -11,18 +11,20 @@ from pathlib import Path
 import click
 
 from server.fits.recorded import preset_of, recorded_plan
-from server.fits.report import html, number, pdf, sharp
+from server.fits.report import fit_document, sharp
 from server.instants import wall_clock
 from server.library.presets import NAME, PresetStore
 from server.library.reader import RunReader
+from server.reports.blocks import number
+from server.reports.formats import written
 from sim.errors import ConfigError
 from sim.identification.fit import fit
 from sim.identification.result import FitResult, FittedParameter, TouchPrediction
 
 WRITERS: dict[str, Callable[[FitResult], bytes]] = {
     ".json": lambda result: result.model_dump_json(indent=1).encode(),
-    ".html": html,
-    ".pdf": pdf,
+    ".html": lambda result: written(fit_document(result), "html"),
+    ".pdf": lambda result: written(fit_document(result), "pdf"),
 }
 """By the suffix of the file."""
 

@@ -15,8 +15,8 @@ import click
 import pyarrow as pa
 
 from becalm.report.document import ShownExample, ablation_figure, figures, html
-from becalm.report.style import Picture
 from becalm.studying import INTERRUPTED, show_progress
+from server.reports.style import Picture
 from sim.capture.mission import prepare
 from sim.configurations import named_configuration
 from sim.errors import ConfigError

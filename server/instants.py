@@ -21,3 +21,8 @@ def instant(text: str) -> datetime:
 def wall_clock() -> str:
     """Now, ISO 8601 in UTC, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def day_and_time(text: str) -> str:
+    """A moment as people read it, to the second: 2026-11-22 11:30:00 UTC."""
+    return f"{instant(text):%Y-%m-%d %H:%M:%S} UTC"

@@ -11,8 +11,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from matplotlib.figure import Figure
 
 from becalm.report import maps, mechanism, signals
-from becalm.report.drawing import DrawnInstant, sequence
-from becalm.report.style import MARKS, Picture, look, picture
+from server.reports.drawing import DrawnInstant, sequence
+from server.reports.style import MARKS, Picture, look, picture
 from server.versions import becalm_version
 from sim.configurations import named_configuration
 from sim.method.published.memory import Activity

@@ -10,7 +10,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from becalm.report.style import GREY, INK, MARKS, PALE, figure
+from server.reports.style import GREY, INK, MARKS, PALE, figure
 from sim.reproduction.experiments import impedance_of
 from sim.reproduction.published import DAMPING, MASS, STIFFNESS, PublishedImpedance, published_classes
 from sim.snapshot import OutcomeClass

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from becalm.report.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
+from server.reports.style import GREY, INK, LEFT, MARKS, PALE, RIGHT, figure
 from sim.config import MissionConfig
 from sim.reproduction.experiments import Origin
 from sim.reproduction.first_touch import TouchState, effective_mass, lever_of, restitution

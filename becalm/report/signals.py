@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from becalm.report.style import AUTHORS, BASE, GREY, INK, LEFT, RIGHT, TARGET, annotate_level, figure
+from server.reports.style import AUTHORS, BASE, GREY, INK, LEFT, RIGHT, TARGET, annotate_level, figure
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
 from sim.control.phases import Phase

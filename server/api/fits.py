@@ -14,6 +14,7 @@ from starlette.convertors import StringConvertor, register_url_convertor
 
 from server.api.presets import KeptPreset, kept_preset
 from server.api.rehearsals import JobId, JobProgress
+from server.api.reports import REPORT, report_response
 from server.api.services import AskerDep, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import ShortText
@@ -24,14 +25,13 @@ from server.instants import wall_clock
 from server.library.presets import NAME
 from server.library.runs import RunStore
 from server.rehearsals.jobs import JobStatus
+from server.reports.formats import ReportFormat, written
 from sim.config import MissionConfig
 from sim.identification.fit import MOST_RUNS, FitPlan
 from sim.identification.parameters import ALL, DEFAULT, parameter_of
 from sim.identification.result import FitResult
 
 router = APIRouter(prefix="/fits", tags=["fits"], responses=responses(422))
-
-ReportFormat = Literal["json", "html", "pdf"]
 
 
 class _FitConvertor(StringConvertor):
@@ -151,23 +151,27 @@ def fit(services: ServicesDep, fit_id: JobId) -> FitDetail:
 @router.get(
     "/{fit_id}/report",
     response_model=FitResult,
-    responses={200: {"content": {"text/html": {}, "application/pdf": {}}}, **responses(404, 409, 503)},
+    responses={**REPORT, **responses(404, 409, 503)},
 )
 async def fit_report(
     services: ServicesDep,
     fit_id: JobId,
-    report_format: Annotated[ReportFormat, Query(alias="format", description="json, html or pdf")] = "html",
+    report_format: Annotated[
+        Literal["json"] | ReportFormat, Query(alias="format", description="json, html or pdf")
+    ] = "html",
 ) -> Response:
     """What it found as one self-contained page, or PDF."""
-    from server.fits.report import html, pdf  # noqa: PLC0415 - what draws takes a second to load
-
     result = _result(services.rehearsals.job(fit_id, FitJob))
     if report_format == "json":
         return Response(result.model_dump_json(), media_type="application/json")
-    content = await services.aside.answer(html if report_format == "html" else pdf, result)
-    media = "text/html; charset=utf-8" if report_format == "html" else "application/pdf"
-    disposition = f'attachment; filename="becalm-fit-{fit_id}.{report_format}"'
-    return Response(content, media_type=media, headers={"Content-Disposition": disposition})
+    content = await services.aside.answer(_report, result, report_format)
+    return report_response(content, report_format, f"fit-{fit_id}")
+
+
+def _report(result: FitResult, report_format: ReportFormat) -> bytes:
+    from server.fits.report import fit_document  # noqa: PLC0415 - what draws takes a second to load
+
+    return written(fit_document(result), report_format)
 
 
 @router.post("/{fit_id}/preset", responses=responses(404, 409, 503))

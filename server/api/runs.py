@@ -13,6 +13,7 @@ from fastapi import APIRouter, Header, HTTPException, Path, Query, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, TypeAdapter
 
+from server.api.reports import REPORT, FormatOfReport, report_response
 from server.api.services import Services, ServicesDep
 from server.edge.etags import IfNoneMatch, etag, known_or_new, tagged
 from server.edge.problem_json import responses
@@ -27,6 +28,7 @@ from server.library.reader import RunReader
 from server.library.record import Integrity, LoggedEvent, Note, Remarks, RunKind, RunName, RunRecord, RunStatus, Tag
 from server.library.runs import RunStore, new_record
 from server.library.sampled import SAMPLED, sampled
+from server.reports.formats import ReportFormat, written
 from sim.config import Engine, MissionConfig
 from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revised
 from sim.control.phases import Command, Phase, next_phase
@@ -306,6 +308,19 @@ def _log(root: FilePath, run_id: str, log_format: LogFormat, span: Span) -> Iter
     reader = RunStore(root).read(run_id)
     _require_log(reader, span)
     return exported(reader, log_format, span)
+
+
+@router.get("/{run_id}/report", response_class=Response, responses={**REPORT, **responses(404, 409, 503)})
+async def run_report(services: ServicesDep, run_id: RunId, report_format: FormatOfReport = "html") -> Response:
+    """The run for an appendix: what was flown, the verdict, its figures, drawings, plots, touches and events."""
+    content = await services.aside.answer(_report, services.store.root, run_id, report_format)
+    return report_response(content, report_format, run_id)
+
+
+def _report(root: FilePath, run_id: str, report_format: ReportFormat) -> bytes:
+    from server.reports.run_report import run_document  # noqa: PLC0415 - what draws takes a second to load
+
+    return written(run_document(RunStore(root).read(run_id)), report_format)
 
 
 @router.get("/{run_id}/ticks", response_model=History, responses=responses(404, 409, 503))

@@ -13,6 +13,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 from starlette.convertors import StringConvertor, register_url_convertor
 
+from server.api.reports import REPORT, FormatOfReport, report_response
 from server.api.runs import Run, Unreadable, run_of
 from server.api.services import Services, ServicesDep
 from server.edge.etags import IfNoneMatch, known_or_new, tagged
@@ -22,6 +23,7 @@ from server.edge.values import Changes, Flag, Integer, ShortText
 from server.errors import StudyNotFound
 from server.library.changes import display_name
 from server.library.runs import new_record
+from server.reports.formats import ReportFormat, written
 from server.studies.store import StudyRecord, StudyStatus, StudyStore
 from sim.reproduction.published import (
     DAMPING,
@@ -331,6 +333,21 @@ def _results(root: FilePath, study_id: str, table_format: TableFormat) -> Iterat
         with path.open("rb") as file:
             while piece := file.read(PIECE):
                 yield piece
+
+
+@router.get("/{study_id}/report", response_class=Response, responses={**REPORT, **responses(404, 503)})
+async def study_report(services: ServicesDep, study_id: StudyId, report_format: FormatOfReport = "html") -> Response:
+    """The study for an appendix: what varied, how often each class came, maps and measures of the rows there are."""
+    content = await services.aside.answer(_report, services.studies.root, study_id, report_format)
+    return report_response(content, report_format, f"study-{study_id}")
+
+
+def _report(root: FilePath, study_id: str, report_format: ReportFormat) -> bytes:
+    from server.reports.study_report import study_document  # noqa: PLC0415 - what draws takes a second to load
+
+    studies = StudyStore(root)
+    record = studies.record(study_id)
+    return written(study_document(record, studies.rows(record)), report_format)
 
 
 @router.post("/{study_id}/cells/{index}/run", status_code=202, responses=responses(404, 503, 507))

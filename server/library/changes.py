@@ -35,10 +35,11 @@ class ParameterChange(FrozenMessage):
 def change_words(path: str, old: Any, new: Any) -> str:
     """A change in words, each value in the unit of the configuration: "published.impedance.damping 1.5 → 3 N s/m"."""
     unit = PARAMETERS[path].json_schema_extra["unit"]
-    return f"{path} {_value_words(old)} → {_value_words(new)}" + ("" if unit == "1" else f" {unit}")
+    return f"{path} {value_words(old)} → {value_words(new)}" + ("" if unit == "1" else f" {unit}")
 
 
-def _value_words(value: Any) -> str:
+def value_words(value: Any) -> str:
+    """A parameter's value as it is read, without its unit."""
     if isinstance(value, tuple):
         return points_text(value)
     return f"{value:.7g}" if isinstance(value, float) else str(value)

@@ -254,7 +254,7 @@ async def test_ended_run_is_removed_and_the_live_one_is_not(console):
 
 
 @pytest.mark.parametrize("run_id", ["20200101T000000000-abcdef", "nonesuch", "..", "%2e%2e"])
-@pytest.mark.parametrize("resource", ["", "/log", "/events"])
+@pytest.mark.parametrize("resource", ["", "/log", "/events", "/report"])
 async def test_unknown_run_is_not_found(console, run_id, resource):
     answer = await console.http.get(f"/runs/{run_id}{resource}")
     assert answer.status_code == 404

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from becalm.report.drawing import draw
 from server.link.bounds import WristFrame
 from server.link.imperfections import Imperfections, Sensors
 from server.log.ros import store
 from server.log.scene import MARKERS, scene
 from server.log.topics import frame_tree, topics_of
+from server.reports.drawing import draw
 from server.scene.cage import corners_in_base
 from server.scene.figures import base_place, tip_points
 from server.scene.solids import Solid, turn

@@ -247,6 +247,14 @@ export const deleteRun = (id: string): Promise<null> =>
 export const logAddress = (id: string, format: "csv" | "parquet" | "mcap"): string =>
   addressOf(`/api/v1/runs/${encodeURIComponent(id)}/log?format=${format}`);
 
+/** Where a browser downloads the report of a run. */
+export const runReportAddress = (id: string, format: "html" | "pdf"): string =>
+  addressOf(`/api/v1/runs/${encodeURIComponent(id)}/report?format=${format}`);
+
+/** Where it downloads that of a study. */
+export const studyReportAddress = (id: string, format: "html" | "pdf"): string =>
+  addressOf(`/api/v1/studies/${encodeURIComponent(id)}/report?format=${format}`);
+
 export const listStudies = (): Promise<StudyPage> =>
   bodyOf(client.GET("/api/v1/studies", { params: { query: { limit: 100 } }, ...within(ANSWER_TIME) }));
 

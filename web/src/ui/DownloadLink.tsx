@@ -2,10 +2,18 @@
 import { Icon } from "./theme/Icon";
 import styles from "./DownloadLink.module.css";
 
-export function DownloadLink({ href, format, what }: { readonly href: string; readonly format: string; readonly what: string }) {
+interface DownloadLinkProps {
+  readonly href: string;
+  readonly format: string;
+  readonly what: string;
+  /** What is read on it; the format without one. */
+  readonly label?: string;
+}
+
+export function DownloadLink({ href, format, what, label = format }: DownloadLinkProps) {
   return (
     <a className={styles.link} href={href} download aria-label={`Download ${what} as ${format}`}>
-      <Icon icon="download" /> {format}
+      <Icon icon="download" /> {label}
     </a>
   );
 }

@@ -9,7 +9,7 @@ import { useKeptJson } from "../../ui/use-kept-json";
 import { hashOf } from "../../store/route";
 import { useAction, type RunAction } from "../../api/use-action";
 import type { Refusal } from "../../api/refusal";
-import { cancelRun, deleteRun, logAddress, remarkRun } from "../../api/service";
+import { cancelRun, deleteRun, logAddress, remarkRun, runReportAddress } from "../../api/service";
 import type { Run } from "../../api/types";
 import { methodWords } from "../../source/methods";
 import type { Playback } from "../../source/playback";
@@ -66,6 +66,8 @@ function Head({ run, query, runAction }: { readonly run: Run; readonly query: Li
       <span role="status">{isUnderWay(run) ? `${run.status}, ${duration(run.duration)} of mission time` : endingOf(run)}</span>
       <span className={styles.spring} />
       {run.ticks > 0 && LOGS.map(([format, label]) => <DownloadLink key={format} href={logAddress(run.id, format)} format={label} what="the log of this run" />)}
+      {run.ticks > 0 && <DownloadLink href={runReportAddress(run.id, "html")} format="HTML" label="Report" what="the report of this run" />}
+      {run.ticks > 0 && <DownloadLink href={runReportAddress(run.id, "pdf")} format="PDF" label="Report, PDF" what="the report of this run" />}
       {isUnderWay(run) && run.kind !== "live" && <RoleButton needs="operator" onClick={() => void runAction(() => cancelRun(run.id))}>Cancel</RoleButton>}
       {!isUnderWay(run) && <ConfirmButton label="Delete" question="Delete permanently?" disabledReason={deletingDisabledReason} onConfirm={() => void remove()} />}
     </header>

@@ -3,7 +3,7 @@ import { Switch, useMantineColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useState, type ReactNode } from "react";
-import { readPublishedTables, resultsAddress } from "../../api/service";
+import { readPublishedTables, resultsAddress, studyReportAddress } from "../../api/service";
 import type { PublishedTables, StudyDetail } from "../../api/types";
 import { DownloadLink } from "../../ui/DownloadLink";
 import { Choice } from "../../ui/Choice";
@@ -103,6 +103,8 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
         <ExportMenu what="the map" name={`${fileName(study.name)}-${column}`} draw={draw} />
         <DownloadLink href={resultsAddress(study.id, "csv")} format="CSV" what="the table" />
         <DownloadLink href={resultsAddress(study.id, "parquet")} format="Parquet" what="the table" />
+        <DownloadLink href={studyReportAddress(study.id, "html")} format="HTML" label="Report" what="the report of this study" />
+        <DownloadLink href={studyReportAddress(study.id, "pdf")} format="PDF" label="Report, PDF" what="the report of this study" />
       </div>
       <div className={styles.picture}>
         <div className={styles.holder} ref={holder}>

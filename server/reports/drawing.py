@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from becalm.report.style import BASE, GREY, INK, LEFT, PALE, RIGHT, figure
+from server.reports.style import BASE, GREY, INK, LEFT, PALE, RIGHT, figure
 from sim.capture.events import Ticks
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -21,7 +21,10 @@ from sim.model.robot import JOINTS, base_shape, chain, robot_model
 from sim.model.shape import Shape, inner_radius, outline
 from sim.model.target import target_shape
 
-_FRAME = (-0.43, 0.43, -0.19, 0.57)  # of a drawing [m]: x from, to, y from, to
+PATH_STRIDE = 20
+"""Ticks between two points of a target's path that is drawn."""
+
+_FRAME = (-0.50, 0.50, -0.22, 0.60)  # of a drawing [m]: x from, to, y from, to
 _FORCE_SCALE = 0.09  # [m/N]
 _LONGEST_ARROW = 0.25  # [m]: that of 2.8 N; harder blows are not drawn longer
 _ARM_COLOURS = (LEFT, RIGHT)
@@ -42,22 +45,35 @@ def sequence(config: MissionConfig, ticks: Ticks, frames: Sequence[DrawnInstant]
     grid = drawn.subplots(rows, columns, squeeze=False)
     for axes, frame in zip(grid.flat, frames, strict=False):
         place = int(np.clip(np.searchsorted(ticks["time"], frame.time), 0, len(ticks) - 1))
-        draw(axes, config, ticks[place], ticks["target_pose"][: place + 1])
-        axes.set_title(f"{ticks['time'][place]:.2f} s", fontsize=7.5, pad=2)
-        axes.set_xlabel(frame.caption, fontsize=6.6, color=GREY, labelpad=2)
+        draw_instant(axes, config, ticks[place], frame.caption, ticks["target_pose"][: place + 1 : PATH_STRIDE, :2])
     for axes in grid.flat[len(frames) :]:
         axes.set_visible(False)
     return drawn
 
 
+def draw_instant(axes: Axes, config: MissionConfig, tick: Any, caption: str, path: FloatArray) -> None:
+    """A drawing with its time above and what happens then below."""
+    draw(axes, config, tick, path)
+    axes.set_title(f"{tick['time']:.2f} s", fontsize=7.5, pad=2)
+    axes.set_xlabel(caption, fontsize=6.6, color=GREY, labelpad=2)
+
+
 def draw(axes: Axes, config: MissionConfig, tick: Any, path: FloatArray | None = None) -> None:
-    """Robot and target at one tick, world axes; arrows are the forces of the tips on the target."""
+    """Robot and target at one tick, world axes; arrows are the forces of the tips on the target.
+
+    Args:
+        axes: to draw into.
+        config: that was flown.
+        tick: one element of `TICK`.
+        path: of the target's centre until then, shape (points, 2) [m].
+
+    """
     x0, x1, y0, y1 = _FRAME
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set(visible=True, color=PALE)
     if path is not None and len(path) > 1:
-        axes.plot(path[::20, 0], path[::20, 1], color=PALE, linewidth=0.8, zorder=1)
+        axes.plot(path[:, 0], path[:, 1], color=PALE, linewidth=0.8, zorder=1)
     shape = target_shape(config.target)
     _outline(axes, tick["base_pose"], base_shape(config.robot.base), BASE, alpha=0.28)
     _outline(axes, tick["target_pose"], shape, INK, alpha=0.16)
