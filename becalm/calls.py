@@ -30,6 +30,7 @@ from server.published import MissionSnapshot
 from server.rehearsals.look_ahead import LookAheadView
 from server.reports.formats import ReportFormat
 from sim.errors import CaptureError
+from sim.rehearsal.rehearsal import RehearsalResult
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -337,6 +338,15 @@ def cancel_rehearsal(rehearsal_id: str) -> Call[RehearsalDetail]:
 def futures(rehearsal_id: str) -> Call[DataFrame]:
     """The futures of a rehearsal that has finished, a row each: what was drawn, and how it ended. Needs pandas."""
     return Call("GET", _at("rehearsals", rehearsal_id, "result"), _dataframe, query={"format": "parquet"})
+
+
+def foreseen(run_id: str) -> Call[RehearsalResult | None]:
+    """What was foreseen of a live run when its sequence began, without the single futures; None if nothing was."""
+    return Call("GET", _at("runs", run_id, "foreseen"), _result_or_none)
+
+
+def _result_or_none(answer: httpx.Response) -> RehearsalResult | None:
+    return None if answer.content == b"null" else RehearsalResult.model_validate_json(answer.content)
 
 
 def look_ahead() -> Call[LookAheadView]:

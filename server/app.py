@@ -69,6 +69,7 @@ from server.pages.console import serve_console
 from server.process.aside import Aside
 from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import shorten_switch_interval
+from server.rehearsals.foreseen import Foreseen
 from server.rehearsals.look_ahead import LookAhead
 from server.rehearsals.queue import RehearsalQueue
 from server.scene import Scene
@@ -140,6 +141,7 @@ def _compose(settings: Settings) -> Services:
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
     link = link_from_settings(settings, initial)
     loop, rehearsal_queue = MissionLoop(settings.configuration, initial, feed, recorder, disk, link), RehearsalQueue()
+    look_ahead = LookAhead(rehearsal_queue, loop.situation, settings.go_odds, settings.go_peak_force)
     return Services(
         settings=settings,
         access=access_from_settings(settings),
@@ -155,7 +157,8 @@ def _compose(settings: Settings) -> Services:
         studies=studies,
         study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
         rehearsals=rehearsal_queue,
-        look_ahead=LookAhead(rehearsal_queue, loop.situation, settings.go_odds, settings.go_peak_force),
+        look_ahead=look_ahead,
+        foreseen=Foreseen(recorder, look_ahead),
         aside=Aside(),
         alarms=AlarmWatch(
             feed,

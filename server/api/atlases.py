@@ -17,7 +17,7 @@ from server.api.rehearsals import (
     queued_future,
     require_future,
     run_in,
-    situation_of,
+    state_of,
 )
 from server.api.runs import Run
 from server.api.services import AskerDep, PatienceDep, ServicesDep
@@ -106,7 +106,7 @@ async def start_atlas(
     services: ServicesDep, asker: AskerDep, patience: PatienceDep, body: AtlasRequest, response: Response
 ) -> AtlasDetail:
     """Fly a map over two parameters from a state, coarse first; nothing moves."""
-    situation = await situation_of(services, patience, body.source)
+    situation = (await state_of(services, patience, body.source)).situation
     plan = partial(
         planned_atlas,
         situation,

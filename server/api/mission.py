@@ -167,7 +167,9 @@ async def command(services: ServicesDep, asker: AskerDep, patience: PatienceDep,
         fork=fork,
         arming=body.arming,
     )
-    return await answered(services, request, ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0))
+    answer = await answered(services, request, ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0))
+    services.foreseen.begun(services.loop.flight.run_id, body.command, services.loop.view.config)
+    return answer
 
 
 @router.post("/arming", responses=responses(409, 422, 504))

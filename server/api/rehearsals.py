@@ -17,6 +17,7 @@ from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
 from server.errors import RehearsalNotFound, RehearsalRefused
 from server.library.changes import display_name
+from server.library.run_state import RunState
 from server.library.runs import RunStore, new_record
 from server.rehearsals.jobs import AtlasJob, Job, JobStatus, RehearsalJob
 from server.rehearsals.look_ahead import LookAheadView
@@ -163,10 +164,10 @@ async def start_rehearsal(
     Nothing moves, and nothing is kept but the result, until the service ends. The live mission's state is what its
     controller believes, copied between two ticks.
     """
-    situation = await situation_of(services, patience, body.source)
+    seen = await state_of(services, patience, body.source)
     plan = partial(
         planned,
-        situation,
+        seen.situation,
         body.changes,
         request=None if body.request is None else Command(body.request),
         uncertainty=uncertainty_of(body.uncertainty),
@@ -175,7 +176,11 @@ async def start_rehearsal(
         horizon=body.horizon,
     )
     rehearsal = await services.aside.wait_for(plan)
-    job = RehearsalJob(asker_of(asker, body), rehearsal, run_in(body.source))
+    if body.source == "live":
+        keep = partial(services.foreseen.rehearsed, seen.run)
+        job = RehearsalJob(asker_of(asker, body), rehearsal, None, keep)
+    else:
+        job = RehearsalJob(asker_of(asker, body), rehearsal, seen.run)
     services.rehearsals.add(job)
     response.headers["Location"] = f"/api/v1/rehearsals/{job.id}"
     return _detail(job)
@@ -318,7 +323,7 @@ def queued_future(
     return run_of(services.store.read(record.id))
 
 
-async def situation_of(services: Services, patience: Patience, source: Literal["live"] | RecordedState) -> Situation:
+async def state_of(services: Services, patience: Patience, source: Literal["live"] | RecordedState) -> RunState:
     """The state that is asked for.
 
     Raises:
@@ -331,8 +336,7 @@ async def situation_of(services: Services, patience: Patience, source: Literal["
         await patience.until_ready()
         return await services.aside.wait_for(services.loop.situation)
     pickled = await services.aside.answer(_recorded, services.store.root, source.run, source.at)
-    situation: Situation = pickle.loads(pickled)
-    return situation
+    return RunState(source.run, pickle.loads(pickled))
 
 
 def _recorded(root: FilePath, run_id: str, at: float) -> bytes:

@@ -34,6 +34,7 @@ from sim.configurations import DEFAULT_CONFIGURATION, named_configuration, revis
 from sim.control.phases import Command, Phase, next_phase
 from sim.errors import ConfigError, MissionRefused
 from sim.method.method import method_of
+from sim.rehearsal.rehearsal import RehearsalResult
 from sim.snapshot import Outcome, OutcomeClass
 
 router = APIRouter(prefix="/runs", tags=["runs"], responses=responses(422))
@@ -383,6 +384,15 @@ async def events(services: ServicesDep, run_id: RunId, if_none_match: IfNoneMatc
 
 def _events(root: FilePath, run_id: str) -> bytes:
     return _EVENTS.dump_json([LoggedEvent.model_validate(event) for event in RunStore(root).read(run_id).events()])
+
+
+@router.get("/{run_id}/foreseen", response_model=RehearsalResult | None, responses=responses(404, 409))
+def foreseen(services: ServicesDep, run_id: RunId) -> RehearsalResult | None:
+    """What was foreseen of a live run when its sequence began, without the single futures; null if nothing was.
+
+    It is the last rehearsal of that request with the configuration that was then in force, else the look-ahead.
+    """
+    return services.store.read(run_id).foreseen()
 
 
 def _require_log(reader: RunReader, span: Span) -> None:

@@ -25,6 +25,7 @@ from server.mission.feed import Feed
 from server.mission.loop import MissionLoop
 from server.process.aside import Aside
 from server.process.disk import DiskGuard
+from server.rehearsals.foreseen import Foreseen
 from server.rehearsals.look_ahead import LookAhead
 from server.rehearsals.queue import RehearsalQueue
 from server.scene import Scene
@@ -53,6 +54,7 @@ class Services:
     study_queue: StudyQueue
     rehearsals: RehearsalQueue
     look_ahead: LookAhead
+    foreseen: Foreseen
     aside: Aside
     alarms: AlarmWatch
     shift_log: Journal[ShiftEntry]

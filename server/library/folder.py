@@ -2,6 +2,7 @@
 
     run.json      `RunRecord`: configuration, versions, status, outcome; replaced whole, never half-written
     remarks.json  what people added: notes and the star
+    foreseen.json of a live run that was rehearsed, or looked ahead of: a `RehearsalResult` in outline
     events.jsonl  one `LoggedEvent` a line: events, commands with their answers, configuration changes
     beginning.npz of a run that begins on the way: what was remembered, and the plant's state (`Beginning`)
     log.mcap      every tick, the events, and what other tools show of them; grows by whole chunks
@@ -20,11 +21,13 @@ from server.files import read_document, read_lines, replace_file
 from server.library.record import LoggedEvent, Remarks, RunRecord, event_of_today, record_of_today
 from server.log.scan import Scanned, scan
 from server.texts import shortened
+from sim.rehearsal.rehearsal import RehearsalResult
 from sim.snapshot import FrozenMessage
 
 RECORD_NAME = "run.json"
 EVENTS_NAME = "events.jsonl"
 REMARKS_NAME = "remarks.json"
+FORESEEN_NAME = "foreseen.json"
 LOG_NAME = "log.mcap"
 BEGINNING_NAME = "beginning.npz"
 CANCEL_NAME = ".cancel"
@@ -63,6 +66,19 @@ def read_events(folder: Path, *, strict: bool = False) -> Iterator[LoggedEvent]:
 
     """
     return read_lines(folder / EVENTS_NAME, LoggedEvent, strict=strict, upgrade=event_of_today)
+
+
+def read_foreseen(folder: Path) -> RehearsalResult | None:
+    """What was foreseen of the run in that folder, in outline; None if nothing was.
+
+    Raises:
+        StoredUnreadable: it is damaged, or of another version.
+
+    """
+    try:
+        return read_document(folder / FORESEEN_NAME, RehearsalResult)
+    except FileNotFoundError:
+        return None
 
 
 def repair_log(path: Path) -> Scanned:

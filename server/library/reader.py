@@ -13,7 +13,15 @@ from mcap.records import ChunkIndex
 
 from server.errors import StoredUnreadable
 from server.files import damaged_lines
-from server.library.folder import BEGINNING_NAME, EVENTS_NAME, LOCK_NAME, LOG_NAME, read_events, read_remarks
+from server.library.folder import (
+    BEGINNING_NAME,
+    EVENTS_NAME,
+    LOCK_NAME,
+    LOG_NAME,
+    read_events,
+    read_foreseen,
+    read_remarks,
+)
 from server.library.record import LoggedEvent, Remarks, RunRecord, TickArray, event_of_today
 from server.log.scan import Scanned, chunk_data, payloads, scan
 from server.log.stream import Contents
@@ -23,6 +31,7 @@ from sim.capture.beginning import Beginning
 from sim.capture.replay import FlightHistory
 from sim.errors import ConfigError
 from sim.file_lock import is_locked
+from sim.rehearsal.rehearsal import RehearsalResult
 
 SLACK = 1e-6
 """Mission times closer than this are the same [s]: no tick is as short."""
@@ -98,6 +107,15 @@ class RunReader:
             return read_remarks(self._folder)
         except StoredUnreadable:
             return Remarks()
+
+    def foreseen(self) -> RehearsalResult | None:
+        """What was foreseen of it when its sequence began, in outline; None if nothing was.
+
+        Raises:
+            StoredUnreadable: it is damaged, or of another version.
+
+        """
+        return read_foreseen(self._folder)
 
     @property
     def remarks_damage(self) -> str | None:

@@ -77,6 +77,10 @@ class Recorder:
         """Record an event."""
         self._do_soon(lambda: self._with_writer(lambda writer: writer.log(event)))
 
+    def keep_foreseen(self, run_id: str, outline: bytes) -> None:
+        """Keep what was foreseen of the run, if it is still the one that is written."""
+        self._do_soon(lambda: self._with_writer(lambda writer: writer.keep_foreseen(run_id, outline)))
+
     def revise(self, **changes: Any) -> None:
         """Change the run's record."""
         self._do_soon(lambda: self._with_writer(lambda writer: writer.revise(**changes)))

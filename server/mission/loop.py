@@ -12,6 +12,7 @@ from typing import Literal
 
 from server.errors import LoopSilent, ServiceBusy
 from server.library.recorder import BACKLOG_LIMIT, Recorder
+from server.library.run_state import RunState
 from server.link.robot_link import RobotLink
 from server.mission.arming import ArmedOrder
 from server.mission.clock import MissionClock
@@ -34,7 +35,6 @@ from server.process.realtime import realtime_priority
 from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import CaptureError
-from sim.rehearsal.situation import Situation
 
 WAKE_PERIOD = PUBLISH_PERIOD
 """Between two wake-ups of a simulation [s], unless somebody asks for something: nobody sees what is between."""
@@ -157,8 +157,8 @@ class MissionLoop:
             raise self.not_ready()
         return ForkParent(flying.run.id, flying.configuration, flying.history, flying.tick + 1)
 
-    def situation(self) -> Situation:
-        """What is known of the state that the mission is in now; for any thread but its own.
+    def situation(self) -> RunState:
+        """What is known of the state that the mission is in now, and its run; for any thread but its own.
 
         Raises:
             LoopSilent: the mission thread did not give it in time.

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import Future
 
+from server.library.run_state import RunState
 from server.mission.live_mission import LiveMission
 from sim.errors import CaptureError
-from sim.rehearsal.situation import Situation
 
 
 class Situations:
     """Who asked for a state and waits. `answer` is the mission thread's; `ask` is anyone's."""
 
     def __init__(self) -> None:
-        self._asked: deque[Future[Situation]] = deque()
+        self._asked: deque[Future[RunState]] = deque()
 
-    def ask(self) -> Future[Situation]:
+    def ask(self) -> Future[RunState]:
         """The state as the mission thread finds it when it next turns."""
-        wanted: Future[Situation] = Future()
+        wanted: Future[RunState] = Future()
         self._asked.append(wanted)
         return wanted
 
@@ -28,10 +28,10 @@ class Situations:
             return
         waiting = [self._asked.popleft() for _ in range(len(self._asked))]
         try:
-            situation = flying.situation()
+            seen = RunState(flying.run.id, flying.situation())
         except CaptureError as refusal:
             for each in waiting:
                 each.set_exception(refusal)
             return
         for each in waiting:
-            each.set_result(situation)
+            each.set_result(seen)

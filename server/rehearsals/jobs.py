@@ -99,10 +99,18 @@ class RehearsalJob(Job):
 
     kind, urgency = "rehearsal", URGENT
 
-    def __init__(self, asker: str, rehearsal: Rehearsal, run: str | None) -> None:
-        self.rehearsal = rehearsal
-        self.run = run
-        """The run that the state is of; None of the live mission."""
+    def __init__(
+        self,
+        asker: str,
+        rehearsal: Rehearsal,
+        run: str | None,
+        on_concluded: Callable[[Rehearsal, bytes], None] = lambda _rehearsal, _outline: None,
+    ) -> None:
+        """From that run's state, or without one from the live mission's.
+
+        `on_concluded` is called with it and its result in outline, as JSON; it returns at once.
+        """
+        self.rehearsal, self.run, self._on_concluded = rehearsal, run, on_concluded
         self.concluded: Concluded | None = None
         super().__init__(asker, rehearsal.total)
 
@@ -115,6 +123,7 @@ class RehearsalJob(Job):
         """Take how many futures were flown, or what all say."""
         if isinstance(result, Concluded):
             self.concluded = result
+            self._on_concluded(self.rehearsal, result.outline)
         else:
             self.done += result
 
@@ -124,8 +133,8 @@ class LookAheadJob(Job):
 
     kind, urgency = "look-ahead", IDLY
 
-    def __init__(self, rehearsal: Rehearsal) -> None:
-        self.rehearsal = rehearsal
+    def __init__(self, rehearsal: Rehearsal, run: str) -> None:
+        self.rehearsal, self.run = rehearsal, run
         self.ahead: Ahead | None = None
         self.made_at = time.monotonic()
         super().__init__("", rehearsal.total)
@@ -133,7 +142,7 @@ class LookAheadJob(Job):
     def pieces(self) -> Iterator[Piece]:
         """Its futures, and what they say."""
         yield from _futures(self.id, self.rehearsal)
-        yield Piece(worker.look_ahead, (self.id,))
+        yield Piece(worker.look_ahead, (self.id, self.rehearsal))
 
     def keep(self, result: Any) -> None:
         """Likewise."""

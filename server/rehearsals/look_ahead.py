@@ -9,12 +9,13 @@ from collections.abc import Callable
 from pydantic import Field
 
 from server.errors import LoopSilent, ServiceBusy
+from server.library.run_state import RunState
 from server.rehearsals.jobs import LookAheadJob
 from server.rehearsals.queue import RehearsalQueue
+from sim.config import MissionConfig
 from sim.control.phases import Command, Phase
 from sim.errors import MissionRefused
 from sim.rehearsal.rehearsal import planned
-from sim.rehearsal.situation import Situation
 from sim.rehearsal.summary import Odds
 from sim.rehearsal.uncertainty import UncertaintyModel
 from sim.snapshot import FrozenMessage
@@ -54,11 +55,11 @@ class LookAhead:
     def __init__(
         self,
         queue: RehearsalQueue,
-        find_situation: Callable[[], Situation],
+        find_state: Callable[[], RunState],
         go_odds: float,
         go_peak_force: float | None,
     ) -> None:
-        self._queue, self._find = queue, find_situation
+        self._queue, self._find = queue, find_state
         self._go_odds, self._go_peak_force = go_odds, go_peak_force
         self._lock = threading.Lock()
         self._made: LookAheadJob | None = None
@@ -83,6 +84,19 @@ class LookAhead:
             return self._nothing(self._why_none or "its futures are being flown")
         return self._said(made)
 
+    def outline(self, run: str, command: str, config: MissionConfig) -> bytes | None:
+        """What the last one says in outline (JSON of a `RehearsalResult`).
+
+        None if it is of another run, request or configuration, or too old.
+        """
+        made = self._made
+        if made is None or made.ahead is None or time.monotonic() - made.made_at > STALE:
+            return None
+        request, situation = made.rehearsal.request, made.rehearsal.situation
+        assert request is not None, "a look-ahead is of a request"
+        same = (made.run, request.value) == (run, command) and situation.config == config
+        return made.ahead.outline if same else None
+
     def _take_made(self) -> None:
         if self._making is not None and self._making.has_ended:
             self._next_at = self._looked_at + max(PERIOD, 4.0 * self._making.wall_time)
@@ -101,7 +115,7 @@ class LookAhead:
         now = time.monotonic()
         if self._making is not None or now < self._next_at:
             return
-        situation = self._find()
+        run, situation = self._find()
         request = _NEXT.get(situation.phase)
         if situation.mark.outcome is not None:
             raise MissionRefused("this capture has its verdict; one is made again after a reset")
@@ -109,7 +123,7 @@ class LookAhead:
             raise MissionRefused(f"no sequence can begin in phase {situation.phase.label}")
         seed = situation.tick  # another sample with every state
         rehearsal = planned(situation, {}, request=request, uncertainty=UncertaintyModel(), futures=FUTURES, seed=seed)
-        job = LookAheadJob(rehearsal)
+        job = LookAheadJob(rehearsal, run)
         self._queue.add(job)
         self._making, self._looked_at = job, now
 

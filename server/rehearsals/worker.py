@@ -13,8 +13,8 @@ from sim.capture.mission import prepare as prepare_mission
 from sim.config import MissionConfig
 from sim.rehearsal.atlas import Atlas, AtlasCell, fly_atlas_cells
 from sim.rehearsal.futures import Flown
-from sim.rehearsal.rehearsal import AS_IT_IS, Rehearsal, fly_case, result_of
-from sim.rehearsal.summary import Band, Odds, case_result
+from sim.rehearsal.rehearsal import Rehearsal, RehearsalResult, fly_case, result_of
+from sim.rehearsal.summary import Band, Odds
 from sim.study.cores import cores
 
 _flown: dict[str, dict[str, list[Flown]]] = {}
@@ -26,6 +26,8 @@ class Concluded(NamedTuple):
 
     json: bytes
     parquet: bytes
+    outline: bytes
+    """JSON without the single futures."""
 
 
 class Ahead(NamedTuple):
@@ -33,6 +35,8 @@ class Ahead(NamedTuple):
 
     caged: Odds
     peak_force: Band | None
+    outline: bytes
+    """The whole result without the single futures, as JSON."""
 
 
 def prepare(configs: Sequence[MissionConfig]) -> int:
@@ -52,13 +56,20 @@ def fly(job: str, rehearsal: Rehearsal, case: str, numbers: Sequence[int]) -> in
 def conclude(job: str, rehearsal: Rehearsal) -> Concluded:
     """What all its futures say, which are let go of."""
     flown = _flown.pop(job)
-    return Concluded(result_of(rehearsal, flown).model_dump_json().encode(), as_parquet(flown))
+    result = result_of(rehearsal, flown)
+    return Concluded(_encoded(result), as_parquet(flown), _encoded(result.in_outline()))
 
 
-def look_ahead(job: str) -> Ahead:
+def look_ahead(job: str, rehearsal: Rehearsal) -> Ahead:
     """The same, of a look-ahead."""
-    result = case_result(_flown.pop(job)[AS_IT_IS])
-    return Ahead(result.caged, next((band for band in result.bands if band.measure == "peak_tip_force"), None))
+    result = result_of(rehearsal, _flown.pop(job))
+    case = result.as_it_is
+    peak = next((band for band in case.bands if band.measure == "peak_tip_force"), None)
+    return Ahead(case.caged, peak, _encoded(result.in_outline()))
+
+
+def _encoded(result: RehearsalResult) -> bytes:
+    return result.model_dump_json().encode()
 
 
 def forget(job: str) -> None:

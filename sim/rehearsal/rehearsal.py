@@ -92,6 +92,11 @@ class RehearsalResult(FrozenMessage):
     compared: list[Change] = Field(description="What gets better and worse by the changes, in words")
     notices: list[str]
 
+    def in_outline(self) -> RehearsalResult:
+        """Without the single futures."""
+        changed = None if self.as_changed is None else self.as_changed.in_outline()
+        return self.model_copy(update={"as_it_is": self.as_it_is.in_outline(), "as_changed": changed})
+
 
 def planned(
     situation: Situation,

@@ -106,6 +106,10 @@ class CaseResult(FrozenMessage):
     worst: int = Field(description="The future that ended worst: not caged, or with the largest force")
     each: list[FutureSummary]
 
+    def in_outline(self) -> CaseResult:
+        """Without the single futures: what is compared with what then happens."""
+        return self.model_copy(update={"paths": [], "each": []})
+
 
 BANDED = (
     "peak_tip_force", "peak_tip_force_to_closure", "time_to_cage", "base_turn", "min_manipulability", "cage_margin",

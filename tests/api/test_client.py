@@ -102,5 +102,6 @@ def test_a_rehearsal_and_an_atlas_as_their_page_shows(capsys):
     assert sorted(cells) == [(x, y) for x in range(4) for y in range(4)]
     with becalm.Client() as service:
         assert service.look_ahead().go_odds == 0.9
+        assert service.foreseen(service.mission().run_id) is None, "nothing has begun yet"
         begun = service.start_rehearsal(futures=2000)
         assert service.cancel_rehearsal(begun.id).status == "cancelled"

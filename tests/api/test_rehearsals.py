@@ -124,6 +124,45 @@ async def test_from_a_recorded_state_that_is_under_way(console):
     assert none.status_code == 404
 
 
+async def _kept_foreseen(console, run_id: str) -> dict[str, Any] | None:
+    """What is kept of that run, once the recorder has written all that came before the verdict."""
+    await console.until_run(run_id, "finished")
+    answer = await console.http.get(f"/runs/{run_id}/foreseen")
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+async def _capture_now(console) -> str:
+    """Fly a capture to its verdict; its run."""
+    await console.granted("run", speed=0)
+    await console.granted("capture")
+    await console.until(lambda snapshot: snapshot.outcome is not None)
+    return (await console.snapshot())["run_id"]
+
+
+async def test_a_run_keeps_what_was_rehearsed_of_its_request(console):
+    changes = {"published": {"impedance": {"damping": 3.0}}}
+    begun = await started(console, "rehearsals", {**SHORT, "changes": changes})
+    ended = await until(console, f"/rehearsals/{begun['id']}", "finished", "failed")
+    assert ended["status"] == "finished", ended["note"]
+    assert (await console.http.patch("/mission/config", json=changes)).status_code == 200
+    kept = await _kept_foreseen(console, await _capture_now(console))
+    assert kept is not None
+    for case in ("as_it_is", "as_changed"):
+        told = ended["result"][case]
+        assert kept[case]["odds"] == told["odds"]
+        assert kept[case]["bands"] == told["bands"]
+        assert kept[case]["fans"] == told["fans"]
+        assert (kept[case]["paths"], kept[case]["each"]) == ([], [])
+
+
+async def test_a_run_keeps_nothing_of_what_was_rehearsed_with_another_configuration(console):
+    begun = await started(console, "rehearsals", SHORT)
+    assert (await until(console, f"/rehearsals/{begun['id']}", "finished", "failed"))["status"] == "finished"
+    await console.http.patch("/mission/config", json={"published": {"impedance": {"damping": 3.0}}})
+    assert await _kept_foreseen(console, await _capture_now(console)) is None
+
+
 async def _opens_as_rehearsed(console, rehearsal: dict[str, Any], future: int) -> None:
     """That future as a run: it ends as was rehearsed, and `becalm replay` flies it again to the last bit."""
     answer = await console.http.post(f"/rehearsals/{rehearsal['id']}/futures/{future}/run")
@@ -256,12 +295,17 @@ async def test_the_look_ahead_is_made_for_who_looks_and_says_go_or_why_not(conso
     assert said["words"].startswith(f"Capture: {said['caged']['futures']} of 10 futures caged")
     assert said["go"] == (said["caged"]["share"] >= 0.9)
     assert (said["reason"] is None) == said["go"]
+    run_id = (await console.snapshot())["run_id"]
     await console.granted("run", speed=1)
     await console.granted("capture")
     async with asyncio.timeout(PATIENCE):
         while (said := (await console.http.get("/rehearsals/look-ahead")).json())["made"]:
             await asyncio.sleep(0.1)
     assert "no sequence can begin in phase" in said["reason"]
+    await console.granted("run", speed=0)
+    kept = await _kept_foreseen(console, run_id)
+    assert kept is not None, "nobody had rehearsed it: the run has the look-ahead"
+    assert (kept["request"], kept["as_it_is"]["futures"]) == ("capture", 10)
 
 
 async def test_the_uncertainty_model_is_told_with_units_and_bounds(console):

@@ -34,6 +34,7 @@ import type {
   PublishedTables,
   RehearsalDetail,
   RehearsalRequest,
+  RehearsalResult,
   RemarksChange,
   Run,
   RunPage,
@@ -185,6 +186,10 @@ export const readHistory = (since: number): Promise<History> =>
 
 export const readEvents = (id: string): Promise<MissionEvent[]> =>
   bodyOf(client.GET("/api/v1/runs/{run_id}/events", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
+
+/** What was foreseen of it when its sequence began; null if nothing was. */
+export const readForeseen = (id: string): Promise<RehearsalResult | null> =>
+  bodyOf(client.GET("/api/v1/runs/{run_id}/foreseen", { params: { path: { run_id: id } }, ...within(ANSWER_TIME) }));
 
 export interface Tagged<Body> {
   readonly body: Body;

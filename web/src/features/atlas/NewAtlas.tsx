@@ -4,7 +4,7 @@ import { useState, useSyncExternalStore } from "react";
 import { startAtlas } from "../../api/service";
 import { useAction } from "../../api/use-action";
 import { useConfiguration } from "../../store/configuration";
-import { useSnapshot, useView } from "../../store/context";
+import { useSnapshot } from "../../store/context";
 import { go, subscribe } from "../../store/route";
 import { Choice } from "../../ui/Choice";
 import { Panel } from "../../ui/Panel";
@@ -118,13 +118,11 @@ export function NewAtlas({ onStarted }: { readonly onStarted: (id: string) => vo
   const { plan } = usePlan();
   const fields = useUncertaintyFields();
   const phase = useSnapshot((snapshot) => snapshot.phase);
-  const live = useView((view) => view.trust === "live");
   const byRole = useReasonByRole("operator");
   const { runAction, waiting, refusal } = useAction();
   const [draft, change] = useAtlasDraft();
   const [state, leave] = useRecordedState();
   const { request, faults } = readAtlasDraft(draft, { parameters, plan, fields, phase, state, changes: patchOf(changes) });
-  const reason = byRole ?? (live || state !== null ? null : "The data are stale; it begins in the state as it is now.");
   const unsure = Object.keys(plan.uncertainty).length;
   return (
     <Panel title="New atlas">
@@ -143,7 +141,7 @@ export function NewAtlas({ onStarted }: { readonly onStarted: (id: string) => vo
             <Icon icon="error" /> <strong>{refusal.message}</strong> <span>{refusal.tip}</span>
           </div>
         )}
-        <Button variant="filled" loading={waiting} disabled={request === null || reason !== null} title={reason ?? undefined} onClick={() => { if (request !== null) void runAction(async () => { onStarted((await startAtlas(request)).id); }); }}>
+        <Button variant="filled" loading={waiting} disabled={request === null || byRole !== null} title={byRole ?? undefined} onClick={() => { if (request !== null) void runAction(async () => { onStarted((await startAtlas(request)).id); }); }}>
           Map
         </Button>
       </div>

@@ -3,7 +3,6 @@ import { Button } from "@mantine/core";
 import type { ReactNode } from "react";
 import { usePreferences } from "../../units/preferences";
 import type { Refusal } from "../../api/refusal";
-import { useView } from "../../store/context";
 import { Icon } from "../../ui/theme/Icon";
 import { shown } from "../../units/units";
 import { ARMED_STYLE, SecondsLeft } from "../commands/SecondsLeft";
@@ -43,7 +42,6 @@ function Difference({ change: { parameter, from, to } }: { readonly change: Chan
 
 /** What was applied last, and the press that takes it back: nothing is asked, and nothing jumps. */
 export function UndoLine({ back, refusal, undo }: { readonly back: readonly Change[]; readonly refusal: Refusal | null; readonly undo: () => void }) {
-  const live = useView((view) => view.trust === "live");
   const byWho = useReasonAgainstCommanding();
   return (
     <section className={styles.staged} aria-label="Applied changes">
@@ -55,14 +53,13 @@ export function UndoLine({ back, refusal, undo }: { readonly back: readonly Chan
       {refusal !== null && <p className={styles.refusal} role="alert"><Icon icon="warning" /> <span>{`${refusal.message} ${refusal.tip}`}</span></p>}
       <div className={styles.buttons}>
         <span role="status">Applied.</span>
-        <Button disabled={!live || byWho !== null} title={byWho ?? "Take the last Apply back"} onClick={undo}>Undo</Button>
+        <Button disabled={byWho !== null} title={byWho ?? "Take the last Apply back"} onClick={undo}>Undo</Button>
       </div>
     </section>
   );
 }
 
 export function StagedChanges({ changes, unsound, touched, beside, refusal, applying, armed, apply, discard }: StagedChangesProps) {
-  const live = useView((view) => view.trust === "live");
   const byWho = useReasonAgainstCommanding();
   if (!touched) return null;
   return (
@@ -94,7 +91,7 @@ export function StagedChanges({ changes, unsound, touched, beside, refusal, appl
         <Button
           variant="filled"
           {...(armed && ARMED_STYLE)}
-          disabled={unsound > 0 || changes.length === 0 || !live || byWho !== null}
+          disabled={unsound > 0 || changes.length === 0 || byWho !== null}
           title={byWho ?? undefined}
           loading={applying}
           onClick={apply}

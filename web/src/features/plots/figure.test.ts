@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { plotFigure, type PlotFigure } from "./figure";
+import { figureTable, plotFigure, type PlotFigure } from "./figure";
 
 const FIGURE: PlotFigure = {
   title: "Tip force <resultant>",
@@ -7,6 +7,7 @@ const FIGURE: PlotFigure = {
   yLabel: "Force, N",
   range: { from: 2, to: 6 },
   least: [0, 0.6],
+  bands: [{ name: "Left predicted", colour: "#0072b2", times: [2, 4, 8], low: [0, 0.1, 0.2], median: [0.2, 0.3, 0.4], high: [0.4, 1.5, 3] }],
   curves: [{ name: "Left", label: "Left", colour: "#0072b2", width: 1.4, times: [1, 2, 3, 4, 5, 6, 7], values: [9, 0, 1.2, Number.NaN, 0.4, 0, 9] }],
   levels: [{ label: "direct caging", value: 1.13 }],
   phases: [{ phase: "caging", start: 0, end: 8 }],
@@ -25,13 +26,24 @@ describe("a plot as a figure", () => {
   });
 
   it("draws nothing where nothing was recorded", () => {
-    const path = /<path d="([^"]*)"/.exec(markup)?.[1] ?? "";
+    const path = /<path d="([^"]*)" fill="none" stroke="#0072b2" stroke-width="1.4"/.exec(markup)?.[1] ?? "";
     expect(path.match(/M/g)?.length).toBe(2);
     expect(markup).not.toContain("NaN");
   });
 
   it("scales its axis by what it shows, not by what lies outside", () => {
-    expect(markup).toContain(">1.2<");
+    expect(markup).toContain(">1.4<");
     expect(markup).not.toContain(">10<");
+    expect(markup).not.toContain(">3<");
+  });
+
+  it("has what was predicted behind the curves, and in its table", () => {
+    expect(markup.indexOf("<polygon")).toBeGreaterThan(0);
+    expect(markup.indexOf("<polygon")).toBeLessThan(markup.indexOf('stroke-width="1.4"'));
+    const rows = figureTable(FIGURE).split("\r\n");
+    expect(rows).toContain('"Left predicted, 5 %",4,0.1');
+    expect(rows).toContain('"Left predicted, median",4,0.3');
+    expect(rows).toContain('"Left predicted, 95 %",4,1.5');
+    expect(rows.some((row) => row.includes(",8,"))).toBe(false);
   });
 });

@@ -23,6 +23,17 @@ export interface FigureCurve {
   readonly values: ArrayLike<number>;
 }
 
+/** What was predicted: between which values 90 % of the futures are, and their median. */
+export interface FigureBand {
+  /** In a table of its values. */
+  readonly name: string;
+  readonly colour: string;
+  readonly times: readonly number[];
+  readonly low: readonly number[];
+  readonly median: readonly number[];
+  readonly high: readonly number[];
+}
+
 export interface PlotFigure {
   readonly title: string;
   /** Which run, and whatever else the reader has to know. */
@@ -32,6 +43,7 @@ export interface PlotFigure {
   readonly range: Range;
   /** What the value axis shows at least. */
   readonly least: readonly [number, number];
+  readonly bands: readonly FigureBand[];
   readonly curves: readonly FigureCurve[];
   readonly levels: readonly Level[];
   readonly phases: readonly PhaseSpan[];
@@ -66,7 +78,8 @@ const fixedPlace = (value: number): string => String(Math.round(value * 100) / 1
 /** From the least to the largest of what is drawn, with round ends. */
 function valueScale(figure: PlotFigure): Scale {
   let [low, high] = figure.least;
-  for (const { times, values } of figure.curves) {
+  const edges = figure.bands.flatMap(({ times, low: least, high: most }) => [{ times, values: least }, { times, values: most }]);
+  for (const { times, values } of [...figure.curves, ...edges]) {
     for (let row = 0; row < times.length; row += 1) {
       const [time, value] = [times[row] ?? Number.NaN, values[row] ?? Number.NaN];
       if (!(time >= figure.range.from && time <= figure.range.to) || !Number.isFinite(value)) continue;
@@ -120,6 +133,15 @@ function curve({ x, y }: Axes, { colour, dash, width, times, values }: FigureCur
   return `<path d="${path ?? ""}" fill="none" stroke="${colour}" stroke-width="${width}" stroke-linejoin="round"${dash ? ` stroke-dasharray="${dash.join(" ")}"` : ""}/>`;
 }
 
+/** Behind the curves: filled from edge to edge, the median dashed. */
+function band(scales: Axes, { name, colour, times, low, median, high }: FigureBand, range: Range): string {
+  const { x, y } = scales;
+  const place = (time: number, value: number): string => `${fixedPlace(x(time))},${fixedPlace(y(value))}`;
+  const edge = (values: readonly number[]): string[] => times.map((time, row) => place(time, values[row] ?? Number.NaN));
+  const fill = `<polygon points="${[...edge(high), ...edge(low).reverse()].join(" ")}" fill="${colour}" fill-opacity="0.16"/>`;
+  return fill + curve(scales, { name, label: "", colour, dash: [3, 3], width: 1, times, values: median }, range);
+}
+
 /** A level as a dashed line with its name. */
 const level = ({ y }: Axes, { label, value }: Level): string => {
   const place = y(value);
@@ -149,9 +171,14 @@ function legend(curves: readonly FigureCurve[]): string {
 }
 
 /** The values of what is drawn, over the stretch that is shown: a line for each instant, a second recording after the first. */
-export function figureTable({ curves, range, yLabel }: Pick<PlotFigure, "curves" | "range" | "yLabel">): string {
+export function figureTable({ bands, curves, range, yLabel }: Pick<PlotFigure, "bands" | "curves" | "range" | "yLabel">): string {
   const lines = [["curve", "time_s", yLabel]];
-  for (const { name, times, values } of curves) {
+  const predicted = bands.flatMap(({ name, times, low, median, high }) => [
+    { name: `${name}, 5 %`, times, values: low },
+    { name: `${name}, median`, times, values: median },
+    { name: `${name}, 95 %`, times, values: high },
+  ]);
+  for (const { name, times, values } of [...curves, ...predicted]) {
     for (let row = 0; row < times.length; row += 1) {
       const [time, value] = [times[row] ?? Number.NaN, values[row] ?? Number.NaN];
       if (time >= range.from && time <= range.to && Number.isFinite(value)) lines.push([name, String(time), String(value)]);
@@ -172,6 +199,7 @@ export function plotFigure(figure: PlotFigure): string {
     phases(scales, figure),
     axes(scales, figure.yLabel),
     `<g clip-path="url(#field)">`,
+    ...figure.bands.map((each) => band(scales, each, figure.range)),
     ...figure.curves.map((each) => curve(scales, each, figure.range)),
     ...figure.touches.map((each) => touch(scales, each, figure.range)),
     "</g>",

@@ -1,10 +1,11 @@
 /** Has the plots within show what was rehearsed of the run that they show. */
+import { useQuery } from "@tanstack/react-query";
 import { useMemo, type ReactNode } from "react";
-import type { Run } from "../../api/types";
+import { readForeseen } from "../../api/service";
+import type { RehearsalResult, Run } from "../../api/types";
 import { useSnapshot, useView } from "../../store/context";
 import { PredictionContext } from "../plots/prediction";
 import { useRehearsal, useRehearsalDesk } from "./context";
-import type { Finished } from "./desk";
 import { predictionOf } from "./prediction";
 
 /** Of the live mission: until a reset, which is another run, or until it is taken away. */
@@ -17,12 +18,16 @@ export function LivePrediction({ children }: { readonly children: ReactNode }) {
   return <PredictionContext value={prediction}>{children}</PredictionContext>;
 }
 
-/** The rehearsal that a run began with, if this page has made one. */
-export const useKept = (run: string): Finished | null => useRehearsal((view) => view.kept.get(run) ?? null);
+/** What was foreseen of a run when its sequence began; null if nothing was, or as long as it is not known. */
+export function useForeseen({ id, kind, status }: Run): RehearsalResult | null {
+  // Its status is part of the key: what is foreseen of a run that is open here is kept when its sequence begins.
+  const found = useQuery({ queryKey: ["foreseen", id, status], queryFn: () => readForeseen(id), enabled: kind !== "scripted", staleTime: Infinity });
+  return found.data ?? null;
+}
 
-/** Of a stored run: what was rehearsed of it in this page, with the configuration that it was flown with. */
+/** Of a stored run, with the configuration that it was flown with. */
 export function StoredPrediction({ run, children }: { readonly run: Run; readonly children: ReactNode }) {
-  const finished = useKept(run.id);
-  const prediction = useMemo(() => finished && predictionOf(finished.result, run.config, null), [finished, run.config]);
+  const foreseen = useForeseen(run);
+  const prediction = useMemo(() => foreseen && predictionOf(foreseen, run.config, null), [foreseen, run.config]);
   return <PredictionContext value={prediction}>{children}</PredictionContext>;
 }

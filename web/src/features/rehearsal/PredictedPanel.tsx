@@ -1,4 +1,4 @@
-/** On the page of a run that was rehearsed before it began: predicted against real. */
+/** On the page of a run that was rehearsed or looked ahead of before it began: predicted against real. */
 import type { Run } from "../../api/types";
 import { useStore, useView } from "../../store/context";
 import { Panel } from "../../ui/Panel";
@@ -7,7 +7,7 @@ import { usePreferences } from "../../units/preferences";
 import { clock, duration } from "../../units/units";
 import { placedIn, usePrediction } from "../plots/prediction";
 import { againstOf, oddsAgainst, type Against } from "./against";
-import { useKept } from "./Predicted";
+import { useForeseen } from "./Predicted";
 import { caseInForce } from "./prediction";
 import styles from "./Rehearse.module.css";
 import { CASE_WORDS } from "./words";
@@ -42,12 +42,11 @@ function Row({ row: { title, unit, predicted, real, within, places } }: { readon
 export function PredictedPanel({ run }: { readonly run: Run }) {
   const { angles } = usePreferences();
   const { series } = useStore();
-  const finished = useKept(run.id);
+  const result = useForeseen(run);
   const prediction = usePrediction();
   // The curves come after the page; what is known of them by then is read again.
   useView((view) => view.snapshot?.tick ?? null);
-  if (finished === null) return null;
-  const { result } = finished;
+  if (result === null) return null;
   const placed = placedIn(prediction, series, series.at("time", series.length - 1) || 0);
   const name = caseInForce(result, run.config);
   const rows = run.outcome === null ? [] : againstOf(result, name, run.outcome, series, result.time + (placed?.shift ?? 0), angles);
@@ -56,7 +55,7 @@ export function PredictedPanel({ run }: { readonly run: Run }) {
   return (
     <Panel title="Predicted and real">
       <div className={styles.stored}>
-        <p>{`Rehearsed at ${clock(result.time)}, ${CASE_WORDS[name].toLowerCase()}. ${odds}${later}`}</p>
+        <p>{`Foreseen at ${clock(result.time)} by ${result.as_it_is.futures} futures, ${CASE_WORDS[name].toLowerCase()}. ${odds}${later}`}</p>
         {rows.length > 0 && (
           <ul className={styles.bands} aria-label="Real, and predicted: median, 5 to 95 %">
             {rows.map((row) => (
@@ -64,7 +63,7 @@ export function PredictedPanel({ run }: { readonly run: Run }) {
             ))}
           </ul>
         )}
-        <p>The plots have the predicted bands behind the curves. They are kept until this page is closed or loaded again.</p>
+        <p>The plots have the predicted bands behind the curves.</p>
       </div>
     </Panel>
   );

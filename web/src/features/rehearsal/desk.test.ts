@@ -22,12 +22,11 @@ function serviceWith(started: RehearsalDetail | Refusal, reads: (RehearsalDetail
 }
 
 describe("rehearsals of a page", () => {
-  it("follow one to its end, and keep what it says with its run", async () => {
+  it("follow one to its end", async () => {
     const desk = new RehearsalDesk(serviceWith(detailOf("a", "queued"), [detailOf("a", "running"), detailOf("a", "finished")]));
     await desk.rehearse(REQUEST, "run 1");
     const view = desk.read();
     expect(view.finished?.detail.id).toBe("a");
-    expect(view.kept.get("run 1")?.detail.id).toBe("a");
     expect(view.plotted).toBe(true);
   });
 
@@ -79,19 +78,5 @@ describe("rehearsals of a page", () => {
     release(detailOf("old", "finished"));
     await old;
     expect(desk.read().finished?.detail.id).toBe("new");
-  });
-
-  it("keep the prediction of a whole sequence when its middle is rehearsed", async () => {
-    const service = serviceWith(detailOf("whole", "finished"));
-    const desk = new RehearsalDesk(service);
-    await desk.rehearse(REQUEST, "run 1");
-    service.start = () => Promise.resolve(detailOf("middle", "finished", null));
-    await desk.rehearse({ ...REQUEST, request: null }, "run 1");
-    expect(desk.read().kept.get("run 1")?.detail.id).toBe("whole");
-    await desk.rehearse({ ...REQUEST, request: null }, "run 2");
-    expect(desk.read().kept.get("run 2")?.detail.id).toBe("middle");
-    desk.dismiss();
-    expect(desk.read().finished).toBeNull();
-    expect(desk.read().kept.size).toBe(2);
   });
 });

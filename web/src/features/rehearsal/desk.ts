@@ -1,4 +1,4 @@
-/** Rehearsals of this page: the one that flies, the last that has finished, and what was predicted for each run. */
+/** Rehearsals of this page: the one that flies, and the last that has finished. */
 import { Refusal } from "../../api/refusal";
 import { cancelRehearsal, drawFutures, eraseFutures, readRehearsal, startRehearsal } from "../../api/service";
 import type { FuturesChoice, RehearsalDetail, RehearsalRequest, RehearsalResult } from "../../api/types";
@@ -7,8 +7,6 @@ import type { FuturesChoice, RehearsalDetail, RehearsalRequest, RehearsalResult 
 const LOOK_PERIOD = 250;
 /** Milliseconds until a service that did not answer is asked again. */
 const PATIENCE = 1000;
-/** Predictions are kept for so many runs, in this page alone. */
-const RUNS_KEPT = 20;
 
 /** One that has finished. */
 export interface Finished {
@@ -27,8 +25,6 @@ export interface RehearsalView {
   readonly refusal: Refusal | null;
   /** The last that has finished; it stays while the next one flies. */
   readonly finished: Finished | null;
-  /** By run: the last that began with a request, else the last. */
-  readonly kept: ReadonlyMap<string, Finished>;
   /** Whether plots show what was predicted for the run. */
   readonly plotted: boolean;
 }
@@ -53,7 +49,7 @@ const SERVICE: Service = {
 
 export const isFlying = ({ status }: RehearsalDetail): boolean => status === "queued" || status === "running";
 
-const NOTHING: RehearsalView = { asking: false, detail: null, refusal: null, finished: null, kept: new Map(), plotted: false };
+const NOTHING: RehearsalView = { asking: false, detail: null, refusal: null, finished: null, plotted: false };
 
 export class RehearsalDesk {
   private view = NOTHING;
@@ -100,7 +96,7 @@ export class RehearsalDesk {
     if (number === this.newest) this.change({ detail: cancelled });
   }
 
-  /** Takes away what the last one said, also from the plots; what was predicted stays with its run. */
+  /** Takes away what the last one said, also from the plots; the service keeps what was foreseen of a run. */
   readonly dismiss = (): void => {
     this.change({ finished: null, detail: null, refusal: null, plotted: false });
     void this.inScene(this.service.erase());
@@ -117,7 +113,7 @@ export class RehearsalDesk {
       return;
     }
     const finished: Finished = { detail: { ...detail, result: null }, result, run };
-    this.change({ asking: false, detail: finished.detail, finished, kept: keeping(this.view.kept, finished), plotted: true });
+    this.change({ asking: false, detail: finished.detail, finished, plotted: true });
     const choice: FuturesChoice = { rehearsal: detail.id, case: result.as_changed === null ? "as_it_is" : "as_changed" };
     void this.inScene(this.service.draw(choice));
   }
@@ -147,12 +143,4 @@ export class RehearsalDesk {
     this.view = { ...this.view, ...change };
     for (const listener of this.listeners) listener();
   }
-}
-
-/** A sequence that is asked for is predicted from its beginning: what is rehearsed in the middle of it does not take its place. */
-function keeping(kept: ReadonlyMap<string, Finished>, finished: Finished): ReadonlyMap<string, Finished> {
-  const known = kept.get(finished.run);
-  if (known !== undefined && known.result.request !== null && finished.result.request === null) return kept;
-  const others = [...kept].filter(([run]) => run !== finished.run).slice(1 - RUNS_KEPT);
-  return new Map([...others, [finished.run, finished]]);
 }

@@ -1,5 +1,5 @@
 /** What a press of Rehearse does, wherever the button stands, and why it may not be pressed. */
-import { useSnapshot, useView } from "../../store/context";
+import { useSnapshot } from "../../store/context";
 import { useReasonByRole } from "../access/session";
 import { patchOf } from "../parameters/draft";
 import { useStaging } from "../parameters/staging";
@@ -18,13 +18,11 @@ export function useRehearse(): Rehearse {
   const { changes, unsound } = useStaging();
   const fields = useUncertaintyFields();
   const byRole = useReasonByRole("operator");
-  const live = useView((view) => view.trust === "live");
   const phase = useSnapshot((snapshot) => snapshot.phase);
   const run = useSnapshot((snapshot) => snapshot.run_id);
   const faulty = faultsOf(plan, fields).size > 0;
   const reasons = [
     byRole,
-    live ? null : "The data are stale; it begins in the state as it is now.",
     unsound > 0 ? "Correct the staged values first." : null,
     faulty ? "Correct what is asked of the rehearsal first." : null,
   ];
