@@ -2,7 +2,8 @@
 
 numba copies the code of every function into all that call it, and theirs into their callers: what stands seven calls
 deep is optimized and translated seven times. Here a function that LLVM would not inline stays in a library of its
-own, which its callers refer to; only small ones are copied, so that they can be inlined. The arithmetic is the same.
+own, which its callers refer to; only small ones are copied, so that they can be inlined. What is inlined at any size is
+optimized and translated where it is inlined, and nowhere else. The arithmetic is the same.
 
 This rests on the code libraries of one version of numba, to which `pyproject.toml` holds it.
 """
@@ -33,6 +34,7 @@ class _Stored(NamedTuple):
     identity: str
     name: str
     machine_code: bytes
+    """Empty of what is only ever inlined."""
     bitcode: bytes
     copied: bool
     environments: list[Any]
@@ -50,6 +52,7 @@ class CodeLibrary(JITCodeLibrary):
         self._environments: list[Any] = []
         self._machine_code: bytes | None = None
         self._copied: bool | None = None
+        self._inline: bool | None = None
         self._loaded[self._identity] = self
 
     @property
@@ -59,9 +62,15 @@ class CodeLibrary(JITCodeLibrary):
             return True
         if self._copied is None:
             defined = [each for each in self.get_defined_functions() if not each.name.startswith("NRT_")]
-            lines = sum(str(each).count("\n") for each in defined)
-            self._copied = lines <= INLINED or any(map(_is_inline, defined))
+            self._copied = self.inline or sum(str(each).count("\n") for each in defined) <= INLINED
         return self._copied
+
+    @property
+    def inline(self) -> bool:
+        """Whether it becomes part of whatever calls it, and never runs on its own."""
+        if self._inline is None:
+            self._inline = self._object_caching_enabled and any(map(_is_inline, self.get_defined_functions()))
+        return self._inline
 
     def add_linking_library(self, library: Any) -> None:
         """Let code of another library be called: a copy of it if it is small, else by its symbol."""
@@ -85,6 +94,22 @@ class CodeLibrary(JITCodeLibrary):
             if not function.is_declaration:
                 passes.run(function, builder)
 
+    def _optimize_final_module(self) -> None:
+        if not self.inline:
+            super()._optimize_final_module()
+
+    def _finalize_final_module(self) -> None:
+        """Have it translated; of what is only ever inlined, just where its environments stand."""
+        if not self.inline:
+            super()._finalize_final_module()
+            return
+        environments = _environments_of(self._shared_module or self._final_module)
+        module = llvm.parse_assembly(str(self._codegen._create_empty_module(self.name)))
+        module.link_in(llvm.parse_assembly("\n".join(map(str, environments))))
+        self._codegen._add_module(module)
+        self._codegen._engine.finalize_object()
+        self._finalized = True
+
     def _verify_declare_only_symbols(self) -> None:
         for function in self._final_module.functions:
             if function.is_declaration and function.name.startswith("_ZN5numba"):
@@ -97,13 +122,13 @@ class CodeLibrary(JITCodeLibrary):
 
     def _stored(self) -> _Stored:
         if self._machine_code is None:
-            self._machine_code = self._get_compiled_object()
+            self._machine_code = b"" if self.inline else self._get_compiled_object()
         bitcode = super()._get_module_for_linking().as_bitcode()
         return _Stored(self._identity, self.name, self._machine_code, bitcode, self.copied, self._referenced())
 
     def _referenced(self) -> list[Any]:
         """The environments (globals and constants of Python) that the code refers to."""
-        names = [each.name for each in self._final_module.global_variables if each.name.startswith("_ZN08NumbaEnv")]
+        names = [each.name for each in _environments_of(self._final_module)]
         found = [environment for name in names if (environment := lookup_environment(name)) is not None]
         return [environment for environment in found if environment.can_cache()] or self._environments
 
@@ -122,14 +147,22 @@ class CodeLibrary(JITCodeLibrary):
             return known
         self = cls(codegen, stored.name, stored.identity)
         self._machine_code, self._copied, self._environments = stored.machine_code, stored.copied, stored.environments
+        self._inline = not stored.machine_code
         self.enable_object_caching()
-        self._set_compiled_object(stored.machine_code)
+        if not self._inline:
+            self._set_compiled_object(stored.machine_code)
         self._shared_module = llvm.parse_bitcode(stored.bitcode)
         self._finalize_final_module()
-        codegen._engine._load_defined_symbols(self._shared_module)
+        if not self._inline:
+            codegen._engine._load_defined_symbols(self._shared_module)
         for environment in self._environments:
             codegen.set_env(environment.env_name, environment)
         return self
+
+
+def _environments_of(module: Any) -> list[Any]:
+    """The variables of a module that environments (globals and constants of Python) are reached by."""
+    return [each for each in module.global_variables if each.name.startswith("_ZN08NumbaEnv")]
 
 
 def _is_inline(function: Any) -> bool:

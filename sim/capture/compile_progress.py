@@ -9,6 +9,7 @@ from sim.compiled import CompiledFunction, compiled_functions, reached_from
 from sim.config import Engine, MissionConfig
 from sim.method.method import method_of
 from sim.plant.engine import ENGINES
+from sim.plant.plant import kernels_in
 
 
 def compiled_share(config: MissionConfig, *, simulated: bool = True) -> float:
@@ -31,5 +32,6 @@ def compiled_share(config: MissionConfig, *, simulated: bool = True) -> float:
 def _functions(engine: Engine | None, method: str) -> frozenset[CompiledFunction]:
     """The tick loop, the plant of that engine, the method in that package, and all that they call."""
     plant = None if engine is None else ENGINES[engine].__module__
-    own = [each for each in compiled_functions() if each.module == plant or each.module.startswith(f"{method}.")]
-    return reached_from([control_tick if engine is None else fly, know, write_tick, *own])
+    own = [each for each in compiled_functions() if each.module.startswith(f"{method}.")]
+    kernels = [] if plant is None else kernels_in(plant)
+    return reached_from([control_tick if engine is None else fly, know, write_tick, *own, *kernels])

@@ -120,7 +120,7 @@ def control_tick(method: MethodHandle, flight: Flight, state: Record, row: Recor
     return _tick(method, own, state, shape_of_state(own.robot, state, own.shape), row)
 
 
-@compiled_inline
+@compiled
 def _tick(method: MethodHandle, flight: Record, state: Record, shape: Record, row: Record) -> bool:
     """`control_tick` with the robot's shape at that state."""
     memory, monitor, belief, links = flight.memory, flight.monitor, flight.known, flight.links

@@ -139,6 +139,11 @@ def register_kernel(
     _KERNELS[handle] = _PlantKernel(step, momentum_size, shape)
 
 
+def kernels_in(module: str) -> list[Callable[..., Any]]:
+    """The compiled functions that the plants of a module have registered."""
+    return [function for handle, kernel in _KERNELS.items() if handle.__module__ == module for function in kernel]
+
+
 def _step(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> None:
     """One physics step of the plant whose handle it is; compiled only."""
     raise NotImplementedError
