@@ -151,7 +151,9 @@ class CompiledFunction(CPUDispatcher):
     def _entry(self, sig: Any) -> Any:
         """What Python can call: from disk, else made around the compiled function."""
         args = tuple(normalize_signature(sig)[0])
-        entry = self._entries.get(args) or self._entry_files.load_overload(sig, self.targetctx)
+        if args in self._entries:  # by another thread; twice in numba's table it would be ambiguous for ever
+            return self._entries[args].entry_point
+        entry = self._entry_files.load_overload(sig, self.targetctx)
         if entry is None:
             super().compile(sig)
             entry = _with_entry(self.overloads[args])

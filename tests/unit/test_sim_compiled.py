@@ -12,6 +12,7 @@ from textwrap import dedent
 
 import platformdirs
 import pytest
+from numba import types
 
 from server.settings import Settings
 from sim import code_library, compiled
@@ -179,3 +180,20 @@ def test_what_is_to_be_inlined_is_part_of_its_callers_at_any_length(tmp_path):
     lines, called_by_symbol = done.stdout.split()
     assert int(lines) > code_library.INLINED
     assert called_by_symbol == "False"
+
+
+@compiled.compiled
+def _doubled(x: float) -> float:
+    return 2.0 * x
+
+
+def test_a_function_that_two_threads_call_first_is_compiled_for_both(monkeypatch):
+    assert _doubled(1.0) == 2.0
+    assert isinstance(_doubled, compiled.CompiledFunction)
+    _doubled.compile((types.float64,))  # as the thread does that was late
+
+    def found_again(_self, signature):
+        raise AssertionError(f"numba looks for {signature} at every call")
+
+    monkeypatch.setattr(compiled.CompiledFunction, "compile", found_again)
+    assert _doubled(3.0) == 6.0
