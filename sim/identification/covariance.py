@@ -10,8 +10,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from sim.compiled import FloatArray
+from sim.identification.flight import CHANNELS, normal_equations
 from sim.identification.parameters import Parameter
-from sim.identification.shooting import CHANNELS, Shot
+from sim.identification.shooting import Shot
 from sim.identification.varpro import Estimate
 
 MEMORY = 0.1
@@ -43,14 +44,14 @@ def spread_of(shots: Sequence[Shot], estimate: Estimate, count: int) -> Spread:
     """
     if not count:
         return Spread(np.zeros(0), np.zeros((0, 0)), math.inf)
-    information = sum((slope.T @ slope for slope in estimate.slopes), np.eye(count))
+    information = sum((_square(slope) for slope in estimate.slopes), np.eye(count))
     plain = np.linalg.inv(information)
     scores, without = np.zeros((count, count)), []
     for shot, solved, slope in zip(shots, estimate.solved, estimate.slopes, strict=True):
         of_rows = (slope * solved.residual.reshape(-1, 1)).reshape(-1, CHANNELS, count).sum(axis=1)
         if of_rows.any():
             scores += _long_run(of_rows, round(MEMORY / shot.recorded.period))
-            without.append(np.linalg.solve(information - slope.T @ slope, of_rows.sum(axis=0)))
+            without.append(np.linalg.solve(information - _square(slope), of_rows.sum(axis=0)))
     groups = max(2, len(without))
     changes = np.array(without).reshape(-1, count)
     jackknife = (groups - 1.0) / groups * (changes**2).sum(axis=0)
@@ -60,6 +61,14 @@ def spread_of(shots: Sequence[Shot], estimate: Estimate, count: int) -> Spread:
     deviation = np.sqrt(np.diag(plain))
     correlation = plain / np.outer(deviation, deviation)
     return Spread(deviation * wider, correlation, float(student.ppf(0.975, groups - 1)))
+
+
+def _square(slope: FloatArray) -> FloatArray:
+    """Of slopes, shape (parameters, parameters)."""
+    count = slope.shape[1]
+    square, nothing = np.zeros((count, count)), np.zeros(count)
+    normal_equations(slope, np.zeros(len(slope)), square, nothing)
+    return square
 
 
 def _long_run(scores: FloatArray, memory: int) -> FloatArray:
@@ -86,7 +95,7 @@ def told_apart(
 
     """
     count = len(parameters)
-    information = sum((slope.T @ slope for slope in estimate.slopes), np.zeros((count, count)))
+    information = sum((_square(slope) for slope in estimate.slopes), np.zeros((count, count)))
     touches = any(shot.stretch.touches for shot in shots)
     told, reasons = list(range(count)), {}
     while told:

@@ -13,13 +13,14 @@ import numpy as np
 from sim.compiled import FloatArray, compiling_alone
 from sim.errors import ConfigError
 from sim.identification.covariance import Spread, spread_of, told_apart
+from sim.identification.flight import CHANNELS
 from sim.identification.parameters import DEFAULT, STAMP_ERROR, Parameter, parameters_of
 from sim.identification.prediction import foretold, miss_of, touches_of
 from sim.identification.recording import Recording
 from sim.identification.residuals import channels_of, refined
 from sim.identification.result import Correlation, FitResult, FittedParameter
-from sim.identification.shooting import Solved, Weights
-from sim.identification.varpro import Estimate, FitCancelled, Problem, in_free_flight, shared_delay
+from sim.identification.shooting import Solved, Weights, projected
+from sim.identification.varpro import Estimate, Problem, in_free_flight, shared_delay
 from sim.study.cores import cores
 
 MOST_RUNS = 8
@@ -128,7 +129,7 @@ def fit(
         plan.recordings, plan.parameters, threads=threads or cores(), cancelled=cancelled, on_evaluation=progress.step
     )
     prepare_fit(plan)
-    return _Fit(plan, problem, progress, cancelled).result(began)
+    return _Fit(plan, problem, progress).result(began)
 
 
 def prepare_fit(plan: FitPlan) -> None:
@@ -136,15 +137,16 @@ def prepare_fit(plan: FitPlan) -> None:
     with compiling_alone():
         problem = Problem(plan.recordings[:1], plan.parameters, threads=1)
         if problem.shots:
-            shot = problem.shots[0]
-            shot.predict(problem.models(problem.values(np.zeros(len(plan.parameters))))[0], shot.glance)
+            shot, model = problem.shots[0], problem.models(problem.values(np.zeros(len(plan.parameters))))[0]
+            shot.predict(model, shot.glance)
+            projected(shot.solve(model, None, _USUAL.of_channels), np.zeros((CHANNELS * shot.stretch.rows, 1)))
 
 
 class _Fit:
     """One fit under way."""
 
-    def __init__(self, plan: FitPlan, problem: Problem, progress: Progress, cancelled: threading.Event | None) -> None:
-        self._plan, self._problem, self._progress, self._cancelled = plan, problem, progress, cancelled
+    def __init__(self, plan: FitPlan, problem: Problem, progress: Progress) -> None:
+        self._plan, self._problem, self._progress = plan, problem, progress
         self._weights = _USUAL
 
     def result(self, began: float) -> FitResult:
@@ -210,10 +212,6 @@ class _Fit:
         self._weights = refined(self._problem, estimate.solved, self._weights)
         return self._problem.estimate(estimate.scaled, told, self._weights, _FINELY), told, reasons
 
-    def _check(self) -> None:
-        if self._cancelled is not None and self._cancelled.is_set():
-            raise FitCancelled("the fit was cancelled")
-
     def _worded(
         self,
         estimate: Estimate,
@@ -232,8 +230,7 @@ class _Fit:
         parameters = _parameters(plan.parameters, estimate.scaled, told, reasons, spread)
         miss = None
         if hardest is not None and names:
-            miss = miss_of(hardest, usual_told, fitted_told, weights, self._check)
-        self._check()
+            miss = miss_of(hardest, usual_told, fitted_told, weights, problem.each)
         return FitResult(
             runs=[each.name for each in plan.recordings],
             held_out=[each.name for each in plan.held_out],
@@ -244,8 +241,8 @@ class _Fit:
             correlations=_correlations(names, spread.correlation),
             indistinct=[*reasons.values(), *_together(names, spread.correlation)],
             channels=channels_of(problem, usual, estimate.solved, fitted, weights),
-            touch_predictions=foretold(touches, usual, fitted, weights),
-            held_out_predictions=foretold(held, usual, fitted, weights),
+            touch_predictions=foretold(touches, usual, fitted, weights, problem.each),
+            held_out_predictions=foretold(held, usual, fitted, weights, problem.each),
             miss=miss,
             preset={each.name: each.value for each in parameters if each.told and each.in_configuration},
             uncertainty=_uncertainty(parameters),

@@ -7,6 +7,7 @@ Its stamp is taken to be as late as is configured; another delay moves the pictu
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,11 @@ _UNSURE = 40
 """So many pictures are left out: until then the filter may have been surer than it is taken to be."""
 _ROUNDING = 1e-9
 """A twist that changes by less has not taken a picture."""
+_MOST_LATE = 8
+"""Rows by which a picture may be later than it is configured to be."""
+_CLEAR = 1e-2
+"""A picture is taken for what its age says if this part of its jump is left at most, as a square; less than that are
+those of two pictures at once, and of a filter that doubted."""
 
 
 class Pictures(NamedTuple):
@@ -40,12 +46,12 @@ def pictures(config: MissionConfig, rows: Ticks) -> Pictures:
 
     Args:
         config: that the run was flown with.
-        rows: its ticks, an array of `TICK`.
+        rows: its ticks, an array of `TICK`, a control period apart.
 
     """
     expected, period = record_of(config.perception.filter), config.control.period
     late = round(config.perception.capture.delay / period)
-    touched = _touched(rows, config.perception.filter.contact_memory + late * period)
+    touched = _last_touched(rows) + config.perception.filter.contact_memory - rows["time"]
     drift = np.zeros((len(rows), 3))
     pose, twist = rows["base_perceived_pose"].copy(), rows["base_perceived_twist"].copy()
     angle = _encoded(rows["joint_angle"].copy(), config.perception.imperfections.encoder_resolution)
@@ -67,11 +73,11 @@ def _encoded(angle: FloatArray, step: float) -> FloatArray:
     return np.floor(angle / step + 0.5) * step if step > 0.0 else angle
 
 
-def _touched(rows: Ticks, memory: float) -> FloatArray:
-    """Whether a contact may have shown in a picture that was taken at that row: 1 or 0."""
+def _last_touched(rows: Ticks) -> FloatArray:
+    """When a hand was last felt to touch [s], shape (rows,)."""
     touching = (rows["perceived_contact"] != 0).any(axis=1)
-    last = np.maximum.accumulate(np.where(touching, rows["time"], _NEVER))
-    return (rows["time"] - last < memory).astype(float)
+    last: FloatArray = np.maximum.accumulate(np.where(touching, rows["time"], _NEVER))
+    return last
 
 
 @compiled
@@ -103,44 +109,112 @@ def _develop(
     twist: FloatArray,
     touched: FloatArray,
     period: float,
-    late: int,
+    usual: int,
     seen: FloatArray,
 ) -> None:
     """The pictures of one body.
+
+    How old a picture was when it came follows from its jump: of the pose it is more, the older the picture.
 
     Args:
         expected: record of `FilterConfig`.
         pose: that the filter tells at each row, shape (rows, 3).
         twist: likewise.
-        touched: whether a contact may show in the picture that arrives at that row, shape (rows,).
+        touched: for how much longer a contact may show in a picture [s], shape (rows,).
         period: between rows [s].
-        late: rows from a picture to its arrival.
+        usual: rows from a picture to its arrival, as configured.
         seen: shape (rows, 3), not a number; written where a picture was taken.
 
     """
-    p, push, age, taken = np.zeros((3, 2, 2)), np.empty(3), 0.0, 0
-    p[:, 0, 0] = p[:, 1, 1] = _SURE_AT_FIRST
+    variance, grown, best = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    jump, push = np.zeros((2, 3)), np.empty(3)
+    variance[:, 0] = variance[:, 2] = _SURE_AT_FIRST
+    last, taken = -usual, 0
     for row in range(1, len(pose)):
-        age += period
-        jumped = False
-        for axis in range(3):
-            jumped = jumped or abs(twist[row, axis] - twist[row - 1, axis]) > _ROUNDING
-        if not jumped or row < late:
+        if not _jumped(pose, twist, row, period, jump) or row < usual:
             continue
         taken += 1
-        push_expected(expected, touched[row] > 0.0, push)
-        for axis in range(3):
-            deviation = expected.angle if axis == 2 else expected.position
-            q, block = push[axis] * push[axis], p[axis]
-            a = block[0, 0] + 2.0 * age * block[0, 1] + age * age * block[1, 1] + q * age**4 / 4.0
-            b = block[0, 1] + age * block[1, 1] + q * age**3 / 2.0
-            c = block[1, 1] + q * age * age
-            gain, of_rate = a / (a + deviation * deviation), b / (a + deviation * deviation)
-            block[0, 0], block[1, 1] = (1.0 - gain) * a, c - of_rate * b
-            block[0, 1] = block[1, 0] = (1.0 - gain) * b
-            if taken <= _UNSURE:
-                continue
-            before = pose[row - 1, axis] + (1 - late) * period * twist[row - 1, axis]
-            after = pose[row, axis] - late * period * twist[row, axis]
-            seen[row - late, axis] = before + (after - before) / gain
-        age = 0.0
+        late, least = usual, math.inf
+        sure = taken > _UNSURE
+        for candidate in range(0 if sure else usual, (usual + _MOST_LATE if sure else usual) + 1):
+            age = (row - candidate - last) * period
+            if age <= 0.0:
+                break
+            push_expected(expected, touched[row] + candidate * period > 0.0, push)
+            _grow(variance, push, age, grown)
+            left = _left_over(grown, jump, candidate * period, expected)
+            if left < least:
+                late, least = candidate, left
+                best[:] = grown
+        if math.isinf(least):
+            continue
+        last = row - late
+        if taken > _UNSURE and least < _CLEAR:
+            _look_back(pose, twist, row, late, period, best, expected, seen)
+        _correct(best, expected, variance)
+
+
+@compiled
+def _jumped(pose: FloatArray, twist: FloatArray, row: int, period: float, jump: FloatArray) -> bool:
+    """Whether a picture was taken since the row before; by how much it changed pose and twist into `jump`, (2, 3)."""
+    jumped = False
+    for axis in range(3):
+        jump[0, axis] = pose[row, axis] - pose[row - 1, axis] - period * twist[row - 1, axis]
+        jump[1, axis] = twist[row, axis] - twist[row - 1, axis]
+        jumped = jumped or abs(jump[1, axis]) > _ROUNDING
+    return jumped
+
+
+@compiled
+def _grow(variance: FloatArray, push: FloatArray, age: float, grown: FloatArray) -> None:
+    """Variance of place, covariance, variance of rate of each axis, shape (3, 3), so long [s] later, into `grown`."""
+    for axis in range(3):
+        q = push[axis] * push[axis]
+        place, both, rate = variance[axis, 0], variance[axis, 1], variance[axis, 2]
+        grown[axis, 0] = place + 2.0 * age * both + age * age * rate + q * age**4 / 4.0
+        grown[axis, 1] = both + age * rate + q * age**3 / 2.0
+        grown[axis, 2] = rate + q * age * age
+
+
+@compiled
+def _left_over(grown: FloatArray, jump: FloatArray, late: float, expected: Record) -> float:
+    """The part of a jump, as a square, that a picture so late [s] does not make."""
+    left, whole = 0.0, 0.0
+    for axis in range(3):
+        deviation = expected.angle if axis == 2 else expected.position
+        usual = grown[axis, 0] / grown[axis, 1] * jump[1, axis]
+        left += ((jump[0, axis] - late * jump[1, axis] - usual) / deviation) ** 2
+        whole += (usual / deviation) ** 2
+    return left / whole
+
+
+@compiled
+def _look_back(
+    pose: FloatArray,
+    twist: FloatArray,
+    row: int,
+    late: int,
+    period: float,
+    grown: FloatArray,
+    expected: Record,
+    seen: FloatArray,
+) -> None:
+    """What was in the picture that came at a row, into `seen` where it was taken."""
+    for axis in range(3):
+        deviation = expected.angle if axis == 2 else expected.position
+        gain = grown[axis, 0] / (grown[axis, 0] + deviation * deviation)
+        before = pose[row - 1, axis] + (1 - late) * period * twist[row - 1, axis]
+        after = pose[row, axis] - late * period * twist[row, axis]
+        seen[row - late, axis] = before + (after - before) / gain
+
+
+@compiled
+def _correct(grown: FloatArray, expected: Record, variance: FloatArray) -> None:
+    """Variances after a picture, into `variance`, shape (3, 3)."""
+    for axis in range(3):
+        deviation = expected.angle if axis == 2 else expected.position
+        place, both, rate = grown[axis, 0], grown[axis, 1], grown[axis, 2]
+        certainty = 1.0 / (place + deviation * deviation)
+        variance[axis, 0] = place - place * certainty * place
+        variance[axis, 1] = both - place * certainty * both
+        variance[axis, 2] = rate - both * certainty * both

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -19,12 +20,34 @@ from sim.identification.stretches import Stretch, stretches_of
 _AHEAD = 0.6
 """So much of a touch is foretold [s]; what follows a rebound is another touch."""
 
+_T = TypeVar("_T")
+_R = TypeVar("_R")
+
 _EXACT = 6
 """Up to so many parameters Shapley values are exact; beyond, from orders drawn at random."""
 _ORDERS = 12
 """Each of which is gone through forwards and backwards."""
 
+_EARLY = 4
+"""Rows before the first that was felt, in which the foretold touch may begin."""
+
 Values = Mapping[str, float]
+
+
+class Each(Protocol):
+    """The function of each item, by as many threads as there are."""
+
+    def __call__(self, function: Callable[[_T], _R], items: Sequence[_T], /) -> list[_R]: ...  # noqa: D102
+
+
+class _Step(NamedTuple):
+    """A parameter that is put right after others."""
+
+    name: str
+    right: frozenset[str]
+    """Those that are right already."""
+    weight: float
+    """Part of all orders in which it comes so."""
 
 
 class Touch:
@@ -47,7 +70,9 @@ class Touch:
         recorded = self.recorded
         model = Model(recorded, hypothesis(recorded.config, values, recorded.command_delay))
         node = self.lead.solve(model, None, weights.of_channels).node
-        read = model.predict(self.stretch.first, self.end, node).wrench[self.stretch.onset - self.stretch.first - 4 :]
+        touchable = np.ones(self.end - self.stretch.first, dtype=bool)
+        wrench = model.predict(self.stretch.first, touchable, node).wrench
+        read = wrench[max(0, self.stretch.onset - self.stretch.first - _EARLY) :]
         return float(np.nanmax(np.hypot(read[..., 0], read[..., 1]), initial=0.0))
 
 
@@ -57,22 +82,25 @@ def touches_of(recorded: Recording) -> list[Touch]:
     return [Touch(recorded, each, lead) for each, lead in found if lead is not None]
 
 
-def foretold(touches: Sequence[Touch], nominal: Values, fitted: Values, weights: Weights) -> list[TouchPrediction]:
+def foretold(
+    touches: Sequence[Touch], nominal: Values, fitted: Values, weights: Weights, each: Each
+) -> list[TouchPrediction]:
     """What nominal and fitted values say of each touch."""
-    return [
-        TouchPrediction(
-            run=each.recorded.name,
-            time=each.time,
-            arm=ARMS[each.arm],
-            measured=each.measured,
-            nominal=each.peak(nominal, weights),
-            fitted=each.peak(fitted, weights),
+
+    def of_touch(touch: Touch) -> TouchPrediction:
+        return TouchPrediction(
+            run=touch.recorded.name,
+            time=touch.time,
+            arm=ARMS[touch.arm],
+            measured=touch.measured,
+            nominal=touch.peak(nominal, weights),
+            fitted=touch.peak(fitted, weights),
         )
-        for each in touches
-    ]
+
+    return each(of_touch, touches)
 
 
-def miss_of(touch: Touch, nominal: Values, fitted: Values, weights: Weights, check: Callable[[], None]) -> Miss:
+def miss_of(touch: Touch, nominal: Values, fitted: Values, weights: Weights, each: Each) -> Miss:
     """The miss at one touch, taken apart by parameter.
 
     What a parameter adds depends on which others are right already: Shapley's value is the mean over all orders
@@ -83,20 +111,23 @@ def miss_of(touch: Touch, nominal: Values, fitted: Values, weights: Weights, che
         nominal: values without the fit.
         fitted: values of the same names.
         weights: by which free flight is weighed.
-        check: called before each rollout; raises if nobody waits any longer.
+        each: gives a function of each item, by threads.
 
     """
     names = list(nominal)
-    known: dict[frozenset[str], float] = {}
+    steps = _all_steps(names) if len(names) <= _EXACT else _drawn_steps(names)
+    wanted = {frozenset[str](), frozenset(names)} | {right for _, right, _ in steps}
+    wanted |= {right | {name} for name, right, _ in steps}
 
     def peak(right: frozenset[str]) -> float:
-        if right not in known:
-            check()
-            known[right] = touch.peak({n: fitted[n] if n in right else nominal[n] for n in names}, weights)
-        return known[right]
+        return touch.peak({n: fitted[n] if n in right else nominal[n] for n in names}, weights)
 
-    parts = _shapley(names, peak) if len(names) <= _EXACT else _sampled(names, peak)
-    before, after = peak(frozenset()), peak(frozenset(names))
+    sets = list(wanted)
+    peaks = dict(zip(sets, each(peak, sets), strict=True))
+    parts = dict.fromkeys(names, 0.0)
+    for name, right, weight in steps:
+        parts[name] += weight * (peaks[right | {name}] - peaks[right])
+    before, after = peaks[frozenset()], peaks[frozenset(names)]
     ordered = [MissPart(name=n, part=parts[n]) for n in sorted(names, key=lambda n: -abs(parts[n]))]
     return Miss(
         run=touch.recorded.name,
@@ -111,29 +142,25 @@ def miss_of(touch: Touch, nominal: Values, fitted: Values, weights: Weights, che
     )
 
 
-def _shapley(names: Sequence[str], peak: Callable[[frozenset[str]], float]) -> dict[str, float]:
-    count = len(names)
-    parts = dict.fromkeys(names, 0.0)
+def _all_steps(names: Sequence[str]) -> list[_Step]:
+    """Each way in which each parameter can be put right after others, by its part of all orders."""
+    count, steps = len(names), []
     for name in names:
         others = [each for each in names if each != name]
         for size in range(count):
             weight = math.factorial(size) * math.factorial(count - size - 1) / math.factorial(count)
-            for chosen in combinations(others, size):
-                right = frozenset(chosen)
-                parts[name] += weight * (peak(right | {name}) - peak(right))
-    return parts
+            steps += [_Step(name, frozenset(chosen), weight) for chosen in combinations(others, size)]
+    return steps
 
 
-def _sampled(names: Sequence[str], peak: Callable[[frozenset[str]], float]) -> dict[str, float]:
-    parts, drawn = dict.fromkeys(names, 0.0), np.random.default_rng(0)
+def _drawn_steps(names: Sequence[str]) -> list[_Step]:
+    """The same of some orders, drawn at random."""
+    steps, drawn = [], np.random.default_rng(0)
     for _ in range(_ORDERS):
         order = [names[place] for place in drawn.permutation(len(names))]
         for way in (order, order[::-1]):
-            right: frozenset[str] = frozenset()
-            for name in way:
-                parts[name] += (peak(right | {name}) - peak(right)) / (2 * _ORDERS)
-                right |= {name}
-    return parts
+            steps += [_Step(name, frozenset(way[:place]), 0.5 / _ORDERS) for place, name in enumerate(way)]
+    return steps
 
 
 def _words(nominal: float, measured: float, parts: Sequence[MissPart], unexplained: float) -> str:

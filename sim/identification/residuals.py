@@ -8,10 +8,10 @@ import numpy as np
 
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
+from sim.identification.flight import CHANNELS, TARGET
 from sim.identification.recording import BoolArray
 from sim.identification.result import ChannelResidual
-from sim.identification.rollout import Model
-from sim.identification.shooting import BASE, CHANNELS, JOINTS, TARGET, Shot, Solved, Weights
+from sim.identification.shooting import Shot, Solved, Weights
 from sim.identification.varpro import Problem
 
 _LEAST = Weights(2e-6, 1e-5, 2e-6, 1e-5, 2e-6, 1e-3, 1e-4)
@@ -97,7 +97,7 @@ def channels_of(
             continue
         counted = np.concatenate([_counted(shot) for shot in shots])
         left, left_before = (np.concatenate([of[place].residual for place in mine]) for of in (solved, before))
-        rows = [_read(shot, model, solved[place].node) for shot, place in zip(shots, mine, strict=True)]
+        rows = [shot.predict(model, solved[place].node).readings for shot, place in zip(shots, mine, strict=True)]
         read, measured = np.concatenate(rows), np.concatenate([shot.measured for shot in shots])
         instants = np.concatenate([recorded.time[shot.stretch.first : shot.stretch.last] for shot in shots])
         for channel in range(CHANNELS):
@@ -119,14 +119,6 @@ def channels_of(
                 )
             )
     return found
-
-
-def _read(shot: Shot, model: Model, node: FloatArray) -> FloatArray:
-    predicted = shot.predict(model, node)
-    read = np.empty((shot.stretch.rows, CHANNELS))
-    read[:, BASE], read[:, TARGET], read[:, JOINTS] = predicted.base_pose, predicted.target_pose, predicted.joint_angle
-    read[:, JOINTS.stop :] = predicted.wrench.reshape(-1, 6)
-    return read
 
 
 def _rms(values: FloatArray) -> float:

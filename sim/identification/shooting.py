@@ -7,26 +7,40 @@ projection: Golub and Pereyra 1973, in Kaufman's form).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from sim.compiled import FloatArray
+from sim.identification.flight import (
+    BASE,
+    CHANNELS,
+    JOINTS,
+    MOUNTS,
+    NODE,
+    TARGET,
+    WRENCHES,
+    Flight,
+    Seen,
+    add_product,
+    fly_residual,
+    fly_slopes,
+    normal_equations,
+    product,
+)
 from sim.identification.parameters import yields
-from sim.identification.recording import Recording
-from sim.identification.rollout import MOUNTS, NODE, Model, Predicted
+from sim.identification.recording import BoolArray, Recording
+from sim.identification.rollout import Model, Predicted
 from sim.identification.stretches import Stretch
-
-CHANNELS = 18
-"""Of a row: base pose, target pose, six joints, two wrenches."""
-BASE, TARGET, JOINTS, WRENCHES = slice(0, 3), slice(3, 6), slice(6, 12), slice(12, 18)
 
 _STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5] * 2 + [1e-6] * 2)
 """Of each number of a node, for differences."""
 
 _NODE_SPREAD = np.array([0.01, 0.01, 0.05, 0.1, 0.1, 0.5] * 2 + [0.02] * 2)
 """Of a node about what a glance at the readings says: so wide that readings decide."""
+
+_SCALES = np.array([_STEP, _NODE_SPREAD])
 
 _GLANCE = 0.1
 """Of readings by which a node begins [s]."""
@@ -48,8 +62,8 @@ UNFELT = 0.02
 LEAST_LEAD = 0.3
 """Less free flight does not tell from where a touch began [s]."""
 
-_LOST = 1e3
-"""Residual of a rollout that left all numbers, in standard deviations."""
+_AROUND = 0.04
+"""So long before and after rows in which the target is near, a touch may begin or end [s]."""
 
 
 class Weights(NamedTuple):
@@ -79,8 +93,6 @@ class Solved(NamedTuple):
     """Shape (14,)."""
     residual: FloatArray
     """In standard deviations, shape (rows, 18)."""
-    basis: FloatArray
-    """Orthonormal columns: what the node can change of residuals and prior, shape (rows 18 + 14, numbers)."""
     jacobian: FloatArray
     """Of residuals and prior by the node's numbers, here or near, shape (rows 18 + 14, numbers)."""
     cost: float
@@ -93,53 +105,26 @@ class Shot:
     def __init__(self, recorded: Recording, stretch: Stretch) -> None:
         self.recorded, self.stretch = recorded, stretch
         self.glance = _glance(recorded, stretch)
-        rows = slice(stretch.first, stretch.last)
-        self.measured = np.concatenate(
-            [
-                recorded.base_pose[rows],
-                recorded.target_pose[rows],
-                recorded.joint_angle[rows].reshape(-1, 6),
-                recorded.wrench[rows].reshape(-1, 6),
-            ],
-            axis=1,
-        )
+        self.measured = _measured(recorded, stretch)
         self.known = np.isfinite(self.measured)
-        self._columns = _columns(stretch.touches, stretch.touches and yields(recorded.config))
+        self.touchable = _touchable(recorded, stretch)
+        rows = slice(stretch.first, stretch.last)
+        untouched = ~recorded.touching[rows] if recorded.gated else np.zeros((stretch.rows, 2), dtype=bool)
+        self._seen = Seen(self.measured, self.known, untouched, recorded.threshold)
+        self._numbers = NODE if stretch.touches and yields(recorded.config) else MOUNTS.start
+        """Of a node that are free: no reading tells how far mounts have turned but those of a touch."""
 
     def predict(self, model: Model, node: FloatArray) -> Predicted:
         """What the sensors would have read."""
-        return model.predict(self.stretch.first, self.stretch.last, node, touches=self.stretch.touches)
+        return model.predict(self.stretch.first, self.touchable, node)
 
-    def residual(self, predicted: Predicted, weights: FloatArray) -> FloatArray:
-        """Predicted less measured in standard deviations, shape (rows, 18); zero where nothing was measured.
+    def residual(self, model: Model, node: FloatArray, weights: FloatArray) -> tuple[FloatArray, float]:
+        """What is left of the readings, in standard deviations, shape (rows, 18), and the sum of its squares."""
+        left = np.empty((self.stretch.rows, CHANNELS))
+        return left, fly_residual(self._flight(model), self._seen, weights, node, left)
 
-        The joints' mean is taken out: the offset of an encoder reading at the node is none of the motion.
-        """
-        if not predicted.finite:
-            return np.full((self.stretch.rows, CHANNELS), _LOST)
-        residual = np.empty((self.stretch.rows, CHANNELS))
-        residual[:, BASE], residual[:, TARGET] = predicted.base_pose, predicted.target_pose
-        residual[:, JOINTS] = predicted.joint_angle
-        residual[:, WRENCHES] = predicted.wrench.reshape(-1, 6)
-        residual -= self.measured
-        if self.recorded.gated:
-            self._gate(residual, predicted)
-        residual[~self.known] = 0.0
-        count = np.maximum(1, self.known[:, JOINTS].sum(axis=0))
-        residual[:, JOINTS] -= np.where(self.known[:, JOINTS], residual[:, JOINTS].sum(axis=0) / count, 0.0)
-        residual /= weights
-        return residual
-
-    def _gate(self, residual: FloatArray, predicted: Predicted) -> None:
-        """Where no touch was felt a wrench says no more than that the force was under the threshold."""
-        rows = slice(self.stretch.first, self.stretch.last)
-        for arm in range(2):
-            untouched = ~self.recorded.touching[rows, arm]
-            force = np.hypot(predicted.wrench[:, arm, 0], predicted.wrench[:, arm, 1])
-            excess = np.maximum(0.0, 1.0 - self.recorded.threshold / np.maximum(force, 1e-12))
-            wrench = predicted.wrench[:, arm] * excess[:, None]
-            wrench[:, 2] = 0.0
-            residual[untouched, 12 + 3 * arm : 15 + 3 * arm] = wrench[untouched]
+    def _flight(self, model: Model) -> Flight:
+        return model.flight(self.stretch.first, self.touchable)
 
     def solve(self, model: Model, before: Solved | None, weights: FloatArray) -> Solved:
         """The state that explains the stretch best.
@@ -153,6 +138,27 @@ class Shot:
         if before is None:
             return self._descended(model, self.glance, weights)
         return self._descended(model, before.node, weights, before.jacobian)
+
+    def glanced(self, model: Model, weights: FloatArray) -> Solved:
+        """The stretch from a glance at its readings, and no state looked for."""
+        residual, squares = self.residual(model, self.glance, weights)
+        nothing = np.empty((residual.size + NODE, 0))
+        return Solved(self.glance, residual, nothing, self._cost(squares, self.glance))
+
+    def reweighed(self, solved: Solved, ratio: FloatArray) -> Solved:
+        """The same under other weights; readings that are no longer known count no more.
+
+        Args:
+            solved: with the former weights.
+            ratio: of the former weights to the new ones, shape (18,).
+
+        """
+        factors = self.known * ratio
+        residual = solved.residual * factors
+        jacobian = solved.jacobian.copy()
+        jacobian[: residual.size] *= factors.reshape(-1, 1)
+        squares = float(np.einsum("ij,ij", residual, residual))
+        return Solved(solved.node, residual, jacobian, self._cost(squares, solved.node))
 
     def better(self, model: Model, found: Solved, guess: FloatArray, weights: FloatArray) -> Solved:
         """The state found, or one from another guess if that explains the stretch better."""
@@ -185,13 +191,12 @@ class Shot:
         self, model: Model, node: FloatArray, weights: FloatArray, jacobian: FloatArray | None = None
     ) -> Solved:
         """Gauss-Newton from a node; with slopes from nearby as long as they do, which spares most rollouts."""
-        residual = self.residual(self.predict(model, node), weights)
-        cost, fresh = self._cost(residual, node), jacobian is None
+        residual, squares = self.residual(model, node, weights)
+        cost, fresh = self._cost(squares, node), jacobian is None
         slopes = self._jacobian(model, node, residual, weights) if jacobian is None else jacobian
         for _ in range(_STEPS):
-            toward = slopes.T @ self._with_prior(residual, node)
-            step = np.linalg.solve(slopes.T @ slopes, -toward).astype(np.float64)
-            tried = self._try(model, node, step, weights, cost)
+            curvature, toward = self._normal(slopes, residual, node)
+            tried = self._try(model, node, np.linalg.solve(curvature, -toward).astype(np.float64), weights, cost)
             gained = 0.0 if tried is None else cost - tried[2]
             if tried is not None:
                 node, residual, cost = tried
@@ -199,9 +204,7 @@ class Shot:
                 break
             if gained > _ANEW * cost or tried is None:
                 slopes, fresh = self._jacobian(model, node, residual, weights), True
-        # By Cholesky: many times as fast as QR of a tall matrix, and the prior keeps it well conditioned.
-        triangle = np.linalg.cholesky(slopes.T @ slopes)
-        return Solved(node, residual, np.linalg.solve(triangle, slopes.T).T, slopes, cost)
+        return Solved(node, residual, slopes, cost)
 
     def _try(
         self, model: Model, node: FloatArray, step: FloatArray, weights: FloatArray, cost: float
@@ -210,40 +213,30 @@ class Shot:
         for _ in range(_HALVINGS):
             moved = node.copy()
             moved[: len(step)] += step
-            residual = self.residual(self.predict(model, moved), weights)
-            found = self._cost(residual, moved)
+            residual, squares = self.residual(model, moved, weights)
+            found = self._cost(squares, moved)
             if found < cost:
                 return moved, residual, found
             step = 0.5 * step
         return None
 
-    def _cost(self, residual: FloatArray, node: FloatArray) -> float:
+    def _cost(self, squares: float, node: FloatArray) -> float:
         away = (node - self.glance) / _NODE_SPREAD
-        return 0.5 * float(np.vdot(residual, residual) + away @ away)
+        return 0.5 * (squares + float(away @ away))
 
-    def _with_prior(self, residual: FloatArray, node: FloatArray) -> FloatArray:
-        return np.concatenate([residual.ravel(), (node - self.glance) / _NODE_SPREAD])
+    def _normal(self, slopes: FloatArray, residual: FloatArray, node: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Square of the slopes, and slopes by residuals, the prior's among them."""
+        left = np.concatenate([residual.ravel(), (node - self.glance) / _NODE_SPREAD])
+        numbers = slopes.shape[1]
+        curvature, gradient = np.zeros((numbers, numbers)), np.zeros(numbers)
+        normal_equations(slopes, left, curvature, gradient)
+        return curvature, gradient
 
     def _jacobian(self, model: Model, node: FloatArray, residual: FloatArray, weights: FloatArray) -> FloatArray:
-        """Of residuals and prior by the node's numbers, by differences, shape (rows 18 + 14, numbers).
-
-        In free flight base and target know nothing of each other: one rollout moves both.
-        """
-        count = max(max(together) for together in self._columns) + 1
-        slopes = np.zeros((*residual.shape, count))
-        for together in self._columns:
-            moved = node.copy()
-            moved[list(together)] += _STEP[list(together)]
-            changed = self.residual(self.predict(model, moved), weights) - residual
-            if len(together) == 1:
-                slopes[..., together[0]] = changed / _STEP[together[0]]
-                continue
-            base, target = together
-            slopes[:, BASE, base] = changed[:, BASE] / _STEP[base]
-            slopes[:, TARGET, target] = changed[:, TARGET] / _STEP[target]
-        prior = np.zeros((NODE, count))
-        prior[np.arange(count), np.arange(count)] = 1.0 / _NODE_SPREAD[:count]
-        return np.concatenate([slopes.reshape(-1, count), prior])
+        """Of residuals and prior by the node's numbers, by differences, shape (rows 18 + 14, numbers)."""
+        slopes = np.empty((residual.size + NODE, self._numbers))
+        fly_slopes(self._flight(model), self._seen, weights, node, residual, _SCALES, slopes)
+        return slopes
 
 
 def projected(solved: Solved, slopes: FloatArray) -> FloatArray:
@@ -254,17 +247,33 @@ def projected(solved: Solved, slopes: FloatArray) -> FloatArray:
         slopes: how they change with the node as it is, shape (rows 18, parameters).
 
     """
-    rows = len(slopes)
-    basis = solved.basis
-    result: FloatArray = slopes - basis[:rows] @ (basis[:rows].T @ slopes)
+    jacobian, numbers, parameters = solved.jacobian, solved.jacobian.shape[1], slopes.shape[1]
+    curvature, followed = np.zeros((numbers, numbers)), np.empty((numbers, parameters))
+    normal_equations(jacobian, np.zeros(len(jacobian)), curvature, np.zeros(numbers))
+    product(jacobian, slopes, followed)
+    result = slopes.copy()
+    add_product(jacobian, -np.linalg.solve(curvature, followed).astype(np.float64), result)
     return result
 
 
-def _columns(touches: bool, mounts: bool) -> Sequence[tuple[int, ...]]:
-    """Which numbers of a node are moved, and which of them at once."""
-    if not touches:
-        return [(axis, axis + 6) for axis in range(6)]
-    return [(number,) for number in range(NODE if mounts else MOUNTS.start)]
+def _measured(recorded: Recording, stretch: Stretch) -> FloatArray:
+    """All readings of a stretch, shape (rows, 18); not a number where there is none."""
+    rows = slice(stretch.first, stretch.last)
+    measured = np.empty((stretch.rows, CHANNELS))
+    measured[:, BASE], measured[:, TARGET] = recorded.base_pose[rows], recorded.target_pose[rows]
+    measured[:, JOINTS] = recorded.joint_angle[rows].reshape(-1, 6)
+    measured[:, WRENCHES] = recorded.wrench[rows].reshape(-1, 6)
+    return measured
+
+
+def _touchable(recorded: Recording, stretch: Stretch) -> BoolArray:
+    """Whether the robot may touch the target from each row of a stretch to the next, shape (rows,)."""
+    if not stretch.touches:
+        return np.zeros(stretch.rows, dtype=bool)
+    around = round(_AROUND / recorded.period)
+    near = recorded.near | recorded.touching.any(axis=1)
+    spread: BoolArray = binary_dilation(near, iterations=around)[stretch.first : stretch.last]
+    return spread
 
 
 def _glance(recorded: Recording, stretch: Stretch) -> FloatArray:

@@ -13,6 +13,7 @@ from scipy.optimize import least_squares
 
 from sim.compiled import FloatArray
 from sim.errors import CaptureError
+from sim.identification.flight import normal_equations
 from sim.identification.parameters import STAMP_ERROR, Parameter, hypothesis, scaled_bounds
 from sim.identification.recording import Recording
 from sim.identification.rollout import Model
@@ -70,7 +71,7 @@ class Problem:
         self.shots = tuple(Shot(each, stretch) for each in recordings for stretch in stretches_of(each))
         self._threads, self._cancelled, self._on_evaluation = threads, cancelled, on_evaluation
         self.counted = [True] * len(self.shots)
-        """Whether a shot counts; its state is looked for all the same."""
+        """Whether a shot counts; of the others no state is looked for."""
         self._weights: Weights | None = None
         self._solved: list[Solved | None] = [None] * len(self.shots)
         """The best until now, with these weights."""
@@ -89,21 +90,19 @@ class Problem:
         return [Model(each, hypothesis(each.config, values, each.command_delay)) for each in self.recordings]
 
     def solve(self, values: Mapping[str, float], weights: Weights) -> list[Solved]:
-        """Every shot under one hypothesis, from the best state."""
+        """Every shot under one hypothesis, from the best state; one that does not count, from that found last."""
         sigma = weights.of_channels
         models = dict(zip((id(each) for each in self.recordings), self.models(values), strict=True))
-
-        if self._weights != weights:
-            self._weights, self._solved = weights, [None] * len(self.shots)
+        self._reweigh(weights)
 
         def solved(places: Sequence[int]) -> list[Solved]:
             found: list[Solved] = []
             for place in places:
                 shot, known, lead = self.shots[place], self._solved[place], self._leads[place]
-                if known is not None and not self.counted[place]:
-                    found.append(known)
-                    continue
                 model = models[id(shot.recorded)]
+                if not self.counted[place]:
+                    found.append(known or shot.glanced(model, sigma))
+                    continue
                 best = shot.solve(model, known, sigma)
                 if found:
                     before = self.shots[place - 1]
@@ -113,7 +112,17 @@ class Problem:
                 found.append(best)
             return found
 
-        return list(chain.from_iterable(self._all(solved, self._chains)))
+        return list(chain.from_iterable(self.each(solved, self._chains)))
+
+    def _reweigh(self, weights: Weights) -> None:
+        """Go on from the states that were best with other weights."""
+        if self._weights is not None and self._weights != weights:
+            ratio = self._weights.of_channels / weights.of_channels
+            self._solved = [
+                None if each is None else shot.reweighed(each, ratio)
+                for shot, each in zip(self.shots, self._solved, strict=True)
+            ]
+        self._weights = weights
 
     def estimate(self, start: FloatArray, free: Sequence[int], weights: Weights, close: float = _CLOSE) -> Estimate:
         """Fit those parameters whose numbers are given; the others stay at the start.
@@ -135,15 +144,14 @@ class Problem:
                 gtol=1e-8,
                 max_nfev=_MOST_EVALUATIONS,
             )
-            run.residuals(found.x)
-        scaled, solved = run.at(start[run.free] if not len(free) else found.x)
-        return Estimate(scaled, tuple(solved), tuple(run.slopes()), run.evaluations)
+        at = run.at(found.x if len(free) else start[run.free])
+        return Estimate(at.scaled, tuple(at.solved), tuple(at.slopes), run.evaluations)
 
     def slopes(
         self, scaled: FloatArray, solved: Sequence[Solved], free: Sequence[int], weights: Weights
     ) -> list[FloatArray]:
         """How each shot's residuals change with those parameters, states following, shape (rows 18, parameters)."""
-        sigma, base = weights.of_channels, self.models(self.values(scaled))
+        sigma = weights.of_channels
         varied = []
         for place in free:
             changed = scaled.copy()
@@ -153,18 +161,17 @@ class Problem:
 
         def slope(place: int) -> FloatArray:
             shot, at = self.shots[place], solved[place]
+            slopes = np.zeros((at.residual.size, len(free)))
             if not self.counted[place]:
-                return np.zeros((at.residual.size, len(free)))
+                return slopes
             of = number[id(shot.recorded)]
-            now = shot.residual(shot.predict(base[of], at.node), sigma)
-            slopes = np.zeros((now.size, len(free)))
             for column, parameter in enumerate(free):
                 if shot.stretch.touches or not self.parameters[parameter].name.startswith(_CONTACT_ONLY):
-                    then = shot.residual(shot.predict(varied[column][of], at.node), sigma)
-                    slopes[:, column] = (then - now).ravel() / _DIFFERENCE
+                    then, _ = shot.residual(varied[column][of], at.node, sigma)
+                    slopes[:, column] = (then - at.residual).ravel() / _DIFFERENCE
             return projected(at, slopes)
 
-        return self._all(slope, range(len(self.shots)))
+        return self.each(slope, range(len(self.shots)))
 
     def leave_out(self, solved: Sequence[Solved], times: float, *, touches: bool = True) -> None:
         """Count no shot whose misfit is so many times the usual one of its kind, and no touch unless they are to count.
@@ -181,10 +188,19 @@ class Problem:
         self.counted = counted.tolist()
 
     def remember(self, solved: Sequence[Solved]) -> None:
-        """Begin from these states next time."""
-        self._solved = list(solved)
+        """Begin from the states of those that count next time."""
+        self._solved = [
+            new if counts else old for new, old, counts in zip(solved, self._solved, self.counted, strict=True)
+        ]
 
-    def _all(self, function: Callable[[_T], _R], items: Sequence[_T]) -> list[_R]:
+    def each(self, function: Callable[[_T], _R], items: Sequence[_T]) -> list[_R]:
+        """The function of each, by all threads.
+
+        Raises:
+            FitCancelled: nobody waits any longer.
+
+        """
+
         def guarded(item: _T) -> _R:
             if self._cancelled is not None and self._cancelled.is_set():
                 raise FitCancelled("the fit was cancelled")
@@ -198,46 +214,69 @@ class Problem:
         self._on_evaluation()
 
 
+class _Point(NamedTuple):
+    """What was found of one point."""
+
+    scaled: FloatArray
+    """All parameters."""
+    solved: list[Solved]
+    """Every shot from its best state."""
+    slopes: list[FloatArray]
+    """How its residuals change with the free parameters, states following."""
+    residuals: FloatArray
+    """A few numbers that have the sum of squares, the gradient and the curvature of all residuals and the prior."""
+    jacobian: FloatArray
+    """Of these."""
+
+
 class _Run:
-    """One least-squares problem: residuals and their slopes at the point that was looked at last."""
+    """One least-squares problem: what was found of the point that was looked at last.
+
+    A hundred thousand residuals are handed on as a few: with g the gradient, R^T R the curvature (Cholesky), R^-T g and
+    a number that makes up the sum of squares have the same of each, and the same steps follow from them.
+    """
 
     def __init__(self, problem: Problem, start: FloatArray, free: list[int], weights: Weights) -> None:
         self._problem, self._start, self._weights = problem, start, weights
         self.free, self.evaluations = free, 0
-        self._last: tuple[FloatArray, list[Solved]] | None = None
+        self._last: _Point | None = None
         self._best = np.inf
 
-    def at(self, x: FloatArray) -> tuple[FloatArray, list[Solved]]:
-        """All parameters, and every shot from its best state."""
-        if self._last is None or not np.array_equal(self._last[0][self.free], x):
+    def at(self, x: FloatArray) -> _Point:
+        """What is so at these values of the free parameters."""
+        if self._last is None or not np.array_equal(self._last.scaled[self.free], x):
             scaled = self._start.copy()
             scaled[self.free] = x
-            solved = self._problem.solve(self._problem.values(scaled), self._weights)
-            self._last = scaled, solved
-            cost = sum(each.cost for each, counts in zip(solved, self._problem.counted, strict=True) if counts)
-            if cost < self._best:  # the next point is near to the best one
-                self._best = cost
-                self._problem.remember(solved)
+            self._last = self._looked_at(scaled)
             self.evaluations += 1
             self._problem.evaluated()
         return self._last
 
     def residuals(self, x: FloatArray) -> FloatArray:
-        """Of all shots, and of the prior."""
-        scaled, solved = self.at(x)
-        counted = self._problem.counted
-        left = [each.residual.ravel() * counts for each, counts in zip(solved, counted, strict=True)]
-        return np.concatenate([*left, scaled[self.free]])
-
-    def slopes(self) -> list[FloatArray]:
-        """At the last point."""
-        assert self._last is not None, "a point has been looked at"
-        return self._problem.slopes(*self._last, self.free, self._weights)
+        """Of all shots, and of the prior, as a few."""
+        return self.at(x).residuals
 
     def jacobian(self, x: FloatArray) -> Any:
         """Of `residuals`."""
-        self.at(x)
-        return np.concatenate([*self.slopes(), np.eye(len(self.free))])
+        return self.at(x).jacobian
+
+    def _looked_at(self, scaled: FloatArray) -> _Point:
+        problem, free = self._problem, self.free
+        solved = problem.solve(problem.values(scaled), self._weights)
+        slopes = problem.slopes(scaled, solved, free, self._weights)
+        curvature, gradient = np.eye(len(free)), scaled[free].copy()
+        squares = float(gradient @ gradient)
+        for each, slope, counts in zip(solved, slopes, problem.counted, strict=True):
+            if counts:
+                squares += 2.0 * each.cost
+                normal_equations(slope, each.residual.ravel(), curvature, gradient)
+        if squares < self._best:  # the next point is near to the best one
+            self._best = squares
+            problem.remember(solved)
+        triangle = np.linalg.cholesky(curvature)
+        few = np.linalg.solve(triangle, gradient)
+        rest = np.sqrt(max(0.0, squares - float(few @ few)))
+        return _Point(scaled, solved, slopes, np.append(few, rest), np.vstack([triangle.T, np.zeros(len(free))]))
 
 
 def shared_delay(recordings: Sequence[Recording]) -> float:
