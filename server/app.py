@@ -71,7 +71,7 @@ from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import shorten_switch_interval
 from server.rehearsals.foreseen import Foreseen
 from server.rehearsals.look_ahead import LookAhead
-from server.rehearsals.queue import RehearsalQueue
+from server.rehearsals.queue import NICENESS_OF_FITS, RehearsalQueue
 from server.scene import Scene
 from server.settings import Settings
 from server.studies.queue import StudyQueue
@@ -157,6 +157,7 @@ def _compose(settings: Settings) -> Services:
         studies=studies,
         study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
         rehearsals=rehearsal_queue,
+        fits=RehearsalQueue(NICENESS_OF_FITS),
         look_ahead=look_ahead,
         foreseen=Foreseen(recorder, look_ahead),
         aside=Aside(),
@@ -206,6 +207,7 @@ def _lifespan(services: Services, projector: Projector) -> Callable[[FastAPI], A
         services.scripted.resume()
         services.study_queue.start()
         services.rehearsals.start()
+        services.fits.start()
         settings = services.settings
         watching = (
             asyncio.create_task(
@@ -249,6 +251,7 @@ async def _end(services: Services, projector: Projector) -> None:
         services.scripted.shutdown,
         services.study_queue.shutdown,
         services.rehearsals.shutdown,
+        services.fits.shutdown,
     )
     threads = ThreadPoolExecutor(len(ends), "becalm-end")  # of their own: others may all be taken
     loop = asyncio.get_running_loop()

@@ -115,7 +115,7 @@ async def start_fit(services: ServicesDep, asker: AskerDep, body: FitRequest, re
     pickled = await services.aside.answer(_planned, root, body.runs, body.parameters, body.held_out)
     plan: FitPlan = pickle.loads(pickled)
     job = FitJob(f"{asker}/{body.asker}" if body.asker else asker, plan)
-    services.rehearsals.add(job)
+    services.fits.add(job)
     response.headers["Location"] = f"/api/v1/fits/{job.id}"
     return _detail(job)
 
@@ -145,7 +145,7 @@ def fittable_parameters() -> list[FittableParameter]:
 @router.get("/{fit_id:fit}", responses=responses(404))
 def fit(services: ServicesDep, fit_id: JobId) -> FitDetail:
     """One fit: its progress, and its result once it has finished."""
-    return _detail(services.rehearsals.job(fit_id, FitJob))
+    return _detail(services.fits.job(fit_id, FitJob))
 
 
 @router.get(
@@ -161,7 +161,7 @@ async def fit_report(
     ] = "html",
 ) -> Response:
     """What it found as one self-contained page, or PDF."""
-    result = _result(services.rehearsals.job(fit_id, FitJob))
+    result = _result(services.fits.job(fit_id, FitJob))
     if report_format == "json":
         return Response(result.model_dump_json(), media_type="application/json")
     content = await services.aside.answer(_report, result, report_format)
@@ -177,7 +177,7 @@ def _report(result: FitResult, report_format: ReportFormat) -> bytes:
 @router.post("/{fit_id}/preset", responses=responses(404, 409, 503))
 async def keep_fit_as_preset(services: ServicesDep, asker: AskerDep, fit_id: JobId, body: PresetName) -> KeptPreset:
     """Keep the first run's configuration with the fitted values as a preset."""
-    job: FitJob = services.rehearsals.job(fit_id, FitJob)
+    job: FitJob = services.fits.job(fit_id, FitJob)
     result = _result(job)
     record = await asyncio.to_thread(services.store.record, result.runs[0])
     preset = preset_of(body.name, record, result.preset, asker, wall_clock())
@@ -189,15 +189,15 @@ async def keep_fit_as_preset(services: ServicesDep, asker: AskerDep, fit_id: Job
 @router.post("/{fit_id}/cancel", responses=responses(404, 409))
 def cancel_fit(services: ServicesDep, fit_id: JobId) -> FitDetail:
     """End a fit that waits or goes on."""
-    job: FitJob = services.rehearsals.job(fit_id, FitJob)
-    services.rehearsals.cancel(job)
+    job: FitJob = services.fits.job(fit_id, FitJob)
+    services.fits.cancel(job)
     return _detail(job)
 
 
 @router.delete("/{fit_id:fit}", status_code=204, responses=responses(404))
 def delete_fit(services: ServicesDep, fit_id: JobId) -> Response:
     """Forget a fit; one that waits or goes on is cancelled."""
-    services.rehearsals.remove(services.rehearsals.job(fit_id, FitJob))
+    services.fits.remove(services.fits.job(fit_id, FitJob))
     return Response(status_code=204)
 
 

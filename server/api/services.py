@@ -53,6 +53,8 @@ class Services:
     studies: StudyStore
     study_queue: StudyQueue
     rehearsals: RehearsalQueue
+    fits: RehearsalQueue
+    """Fits, which have a worker of their own."""
     look_ahead: LookAhead
     foreseen: Foreseen
     aside: Aside

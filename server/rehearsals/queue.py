@@ -1,4 +1,7 @@
-"""The jobs that wait, and the thread that has them done, piece by piece, by one worker beside the live mission."""
+"""The jobs that wait, and the thread that has them done, piece by piece, by one worker beside the live mission.
+
+Rehearsals have one queue, and fits another with a worker of its own: a fit takes minutes, and a look-ahead never waits.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ KEPT = 32
 """Jobs that have ended and can still be read."""
 
 NICENESS = 12
-"""Of the worker: the live mission comes first, and studies give way to it less than this."""
+"""Of the worker of rehearsals: the live mission comes first, and studies give way to it less than this."""
+
+NICENESS_OF_FITS = 16
+"""Of the worker of fits: rehearsals come first."""
 
 IDLE_TIME = 300.0
 """After so long without anything to do the worker is let go of, and its memory with it [s]."""
@@ -31,7 +37,9 @@ log = logging.getLogger(__name__)
 class RehearsalQueue:
     """What was asked for, and what came of it. Safe from any thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, niceness: int = NICENESS) -> None:
+        """Nothing waits yet; a worker of that niceness will do what comes."""
+        self._niceness = niceness
         self._jobs: OrderedDict[str, Job] = OrderedDict()
         self._changed = threading.Condition()
         self._closing = False
@@ -122,9 +130,14 @@ class RehearsalQueue:
         job.end(status, note)
         if status != "finished":
             self._forgotten.append(job.forgetting())
+            self._changed.notify()
 
     def _live(self) -> None:
-        while (job := self._next()) is not None:
+        while self._await_work():
+            self._forget()
+            job = self._most_urgent()
+            if job is None:
+                continue
             try:
                 self._advance(job)
             except BrokenExecutor:
@@ -138,17 +151,35 @@ class RehearsalQueue:
             self._pool.kill()
             self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _next(self) -> Job | None:
-        """The most urgent job, of these the oldest; waits for one. None when the service ends."""
+    def _await_work(self) -> bool:
+        """Wait until something is to be done or forgotten; False when the service ends."""
         with self._changed:
             while not self._closing:
-                jobs = [job for job in self._jobs.values() if not job.has_ended]
-                if jobs:
-                    return min(jobs, key=lambda job: job.urgency)
+                if self._forgotten or self.waiting:
+                    return True
                 if not self._changed.wait(IDLE_TIME) and self._pool is not None:
                     self._pool.shutdown(wait=False)
                     self._pool = None
-            return None
+            return False
+
+    def _most_urgent(self) -> Job | None:
+        """Of these the oldest."""
+        with self._changed:
+            jobs = [job for job in self._jobs.values() if not job.has_ended]
+            return min(jobs, key=lambda job: job.urgency, default=None)
+
+    def _forget(self) -> None:
+        """Have the worker end what nobody waits for; one that is lost has nothing to end."""
+        with self._changed:
+            forgotten, self._forgotten = self._forgotten, []
+            there = self._pool is not None
+        for piece in forgotten if there else ():
+            try:
+                self._done(piece)
+            except BrokenExecutor:
+                with self._changed:
+                    self._pool = None
+                return
 
     def _advance(self, job: Job) -> None:
         """Have one piece of it done."""
@@ -159,9 +190,6 @@ class RehearsalQueue:
             if piece is None:
                 self._end(job, "finished")
                 return
-            forgotten, self._forgotten = self._forgotten, []
-        for each in forgotten:
-            self._done(each)
         result = self._done(piece)
         with self._changed:
             if not job.has_ended:
@@ -172,7 +200,7 @@ class RehearsalQueue:
             if self._closing:
                 raise BrokenExecutor
             if self._pool is None:
-                self._pool = LocalProcesses(1, NICENESS)
+                self._pool = LocalProcesses(1, self._niceness)
             future = self._pool.submit(piece.function, *piece.arguments)
         return future.result()
 

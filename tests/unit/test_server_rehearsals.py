@@ -124,6 +124,20 @@ def test_what_is_cancelled_is_flown_no_further(queue: RehearsalQueue) -> None:
         queue.cancel(cancelled)
 
 
+def test_the_worker_ends_what_is_cancelled_while_nothing_else_waits(queue: RehearsalQueue) -> None:
+    forgotten = threading.Event()
+
+    class Forgettable(Steps):
+        def forgetting(self) -> Piece:
+            return Piece(forgotten.set, ())
+
+    cancelled = Forgettable("cancelled", 5, SOON, lambda _: queue.cancel(cancelled))
+    queue.add(cancelled)
+    queue.start()
+    assert forgotten.wait(PATIENCE)
+    assert cancelled.status == "cancelled"
+
+
 def test_a_job_begins_again_once_if_its_worker_is_lost(queue: RehearsalQueue) -> None:
     tries: list[str] = []
 
