@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
 
@@ -23,6 +24,7 @@ from server.api.presets import KeptPreset
 from server.api.rehearsals import RehearsalDetail
 from server.api.runs import Run, RunPage
 from server.api.studies import StudyDetail
+from server.imports.library import Imported
 from server.mission.arming import TO_BE_ARMED
 from server.mission.control import ControlCommand
 from server.mission.inbox import CommandAnswer
@@ -77,6 +79,9 @@ class Call(Generic[T]):
     path: str
     read: Callable[[httpx.Response], T]
     body: Any = None
+    """As JSON."""
+    content: bytes | None = None
+    """A file's, in place of JSON."""
     query: Mapping[str, Any] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
 
@@ -382,6 +387,18 @@ def atlas(atlas_id: str, after: int = 0) -> Call[AtlasDetail]:
 def cancel_atlas(atlas_id: str) -> Call[AtlasDetail]:
     """End an atlas; the cells that are there stay."""
     return Call("POST", _at("atlases", atlas_id, "cancel"), _as(AtlasDetail))
+
+
+def import_log(file: Path, log_map: str) -> Call[Imported]:
+    """Import a log from elsewhere: it becomes a run, with what was found wrong in its note.
+
+    Args:
+        file: a .csv or .mcap file.
+        log_map: TOML that says which column or topic is what.
+
+    """
+    query, headers = {"name": file.name, "map": log_map}, {"Content-Type": "application/octet-stream"}
+    return Call("POST", "imports", _as(Imported), content=file.read_bytes(), query=query, headers=headers)
 
 
 def start_fit(

@@ -203,6 +203,7 @@ class Client:
     start_rehearsal = _sync(calls.start_rehearsal)
     rehearsal = _sync(calls.rehearsal)
     cancel_rehearsal = _sync(calls.cancel_rehearsal)
+    import_log = _sync(calls.import_log)
     start_fit = _sync(calls.start_fit)
     fit = _sync(calls.fit)
     cancel_fit = _sync(calls.cancel_fit)
@@ -245,7 +246,14 @@ class Client:
     def done(self, call: Call[T]) -> T:
         """The answer to one of `becalm.calls`."""
         try:
-            answer = self._http.request(call.method, call.path, json=call.body, params=call.query, headers=call.headers)
+            answer = self._http.request(
+                call.method,
+                call.path,
+                json=call.body,
+                content=call.content,
+                params=call.query,
+                headers=call.headers,
+            )
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
@@ -371,6 +379,7 @@ class AsyncClient:
     start_rehearsal = _async(calls.start_rehearsal)
     rehearsal = _async(calls.rehearsal)
     cancel_rehearsal = _async(calls.cancel_rehearsal)
+    import_log = _async(calls.import_log)
     start_fit = _async(calls.start_fit)
     fit = _async(calls.fit)
     cancel_fit = _async(calls.cancel_fit)
@@ -407,7 +416,12 @@ class AsyncClient:
         """The answer to one of `becalm.calls`."""
         try:
             answer = await self._http.request(
-                call.method, call.path, json=call.body, params=call.query, headers=call.headers
+                call.method,
+                call.path,
+                json=call.body,
+                content=call.content,
+                params=call.query,
+                headers=call.headers,
             )
         except httpx.TransportError as error:
             raise ServiceUnreachable(self._place.address, error) from None
