@@ -9,11 +9,13 @@ import type { FitDetail, FittableParameter } from "../../api/types";
 import { useAction } from "../../api/use-action";
 import { DownloadLink } from "../../ui/DownloadLink";
 import { Panel } from "../../ui/Panel";
+import { useKeptJson } from "../../ui/use-kept-json";
 import { RoleButton } from "../access/RoleButton";
 import { askerOf, usePlan } from "../rehearsal/plan";
 import styles from "./Fit.module.css";
 import { FitResults } from "./FitResults";
-import { isUnderWay, statusWords, uncertaintyTexts } from "./words";
+import { OtherRuns } from "./OtherRuns";
+import { isUnderWay, runsOf, statusWords, uncertaintyTexts, type Roles } from "./words";
 
 /** Milliseconds between two looks at a fit. */
 const LOOK_PERIOD = 400;
@@ -92,35 +94,45 @@ function Found({ detail }: { readonly detail: FitDetail }) {
   );
 }
 
+/** The fit of this page, also after it was left and opened again; null without one, or once the service has forgotten it. */
+function useFit(run: string): { readonly detail: FitDetail | undefined; readonly refusal: Refusal | null; readonly set: (id: string) => void } {
+  const [id, setId] = useKeptJson<string | null>(`becalm-fit-${run}`, (kept) => (typeof kept === "string" ? kept : null), "tab");
+  const { data, error } = useQuery({
+    queryKey: ["fit", id],
+    queryFn: id === null ? skipToken : () => readFit(id),
+    refetchInterval: ({ state }) => (state.data !== undefined && isUnderWay(state.data) ? LOOK_PERIOD : false),
+  });
+  const refusal = refusalIn(error);
+  return { detail: data, refusal: refusal?.status === 404 ? null : refusal, set: setId };
+}
+
 export function FitPanel({ run }: { readonly run: string }) {
   const parameters = useQuery({ queryKey: ["fittable"], queryFn: readFittable, staleTime: Infinity }).data ?? NONE;
   const [edited, setEdited] = useState<ReadonlySet<string> | null>(null);
-  const [id, setId] = useState<string | null>(null);
+  const [roles, setRoles] = useState<Roles>(new Map());
+  const { detail, refusal: lost, set } = useFit(run);
   const { runAction, waiting, refusal } = useAction();
-  const { data: detail, error } = useQuery({
-    queryKey: ["fit", id],
-    queryFn: id === null ? skipToken : () => readFit(id),
-    refetchInterval: ({ state }) => (state.data === undefined || isUnderWay(state.data) ? LOOK_PERIOD : false),
-  });
   const chosen = edited ?? new Set(parameters.filter(({ usual }) => usual).map(({ name }) => name));
   const choose = (name: string): void => {
     setEdited(new Set(chosen.has(name) ? [...chosen].filter((each) => each !== name) : [...chosen, name]));
   };
   const begin = (): void =>
     void runAction(async () => {
-      const begun = await startFit({ runs: [run], parameters: parameters.map(({ name }) => name).filter((name) => chosen.has(name)), held_out: [], asker: askerOf("fit") });
-      setId(begun.id);
+      const names = parameters.map(({ name }) => name).filter((name) => chosen.has(name));
+      const begun = await startFit({ runs: [run, ...runsOf(roles, "fitted")], parameters: names, held_out: runsOf(roles, "held out"), asker: askerOf("fit") });
+      set(begun.id);
     });
-  const flying = detail !== undefined && isUnderWay(detail);
+  const underWay = detail !== undefined && isUnderWay(detail);
   return (
     <Panel title="Fit">
       <div className={styles.fit}>
         <p>Finds the numbers of contact, servos, target and sensors that explain this run, by flying its recorded commands again.</p>
         <Choose parameters={parameters} chosen={chosen} choose={choose} />
-        <RoleButton needs="operator" size="compact-xs" disabled={waiting || flying || chosen.size === 0} onClick={begin}>Fit</RoleButton>
-        <Trouble refusal={refusal ?? refusalIn(error)} />
-        {waiting && <p role="status">The run is read.</p>}
-        {flying && <UnderWay detail={detail} />}
+        <OtherRuns run={run} roles={roles} choose={setRoles} />
+        <RoleButton needs="operator" size="compact-xs" disabled={waiting || underWay || chosen.size === 0} onClick={begin}>Fit</RoleButton>
+        <Trouble refusal={refusal ?? lost} />
+        {waiting && <p role="status">The runs are read.</p>}
+        {underWay && <UnderWay detail={detail} />}
         {detail !== undefined && <Found key={detail.id} detail={detail} />}
       </div>
     </Panel>

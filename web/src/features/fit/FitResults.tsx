@@ -1,7 +1,7 @@
 /** What a fit found: values with intervals, what the run does not tell, the miss, peak forces, what is left. */
 import type { FitResult } from "../../api/types";
 import styles from "./Fit.module.css";
-import { digits, missBars, residualPoints, valueRow, type Channel } from "./words";
+import { digits, missBars, peakRows, residualPoints, valueRow, type Channel } from "./words";
 
 const WIDTH = 120;
 const HEIGHT = 36;
@@ -53,7 +53,8 @@ function Miss({ miss }: { readonly miss: NonNullable<FitResult["miss"]> }) {
 }
 
 function Peaks({ result }: { readonly result: FitResult }) {
-  if (result.touch_predictions.length === 0) return null;
+  const rows = peakRows(result);
+  if (rows.length === 0) return null;
   return (
     <table className={styles.table}>
       <caption>Peak force of each touch, foretold from the flight before it [N]</caption>
@@ -66,9 +67,9 @@ function Peaks({ result }: { readonly result: FitResult }) {
         </tr>
       </thead>
       <tbody>
-        {result.touch_predictions.map(({ time, arm, measured, nominal, fitted }) => (
-          <tr key={time}>
-            <th scope="row">{`${time.toFixed(2)} s, ${arm}`}</th>
+        {rows.map(({ key, words, heldOut, measured, nominal, fitted }) => (
+          <tr key={key} data-held-out={heldOut || undefined}>
+            <th scope="row">{heldOut ? `${words}, held out` : words}</th>
             <td>{digits(measured, 3)}</td>
             <td>{digits(nominal, 3)}</td>
             <td>{digits(fitted, 3)}</td>
@@ -81,7 +82,7 @@ function Peaks({ result }: { readonly result: FitResult }) {
 
 function Residual({ channel }: { readonly channel: Channel }) {
   const { points, band } = residualPoints(channel, WIDTH, HEIGHT);
-  const words = `${channel.name} [${channel.unit}]: ${digits(channel.rms, 2)} is left, ${digits(channel.rms_nominal, 2)} with nominal values`;
+  const words = `${channel.run}, ${channel.name} [${channel.unit}]: ${digits(channel.rms, 2)} is left, ${digits(channel.rms_nominal, 2)} with nominal values`;
   return (
     <figure title={words}>
       <figcaption>{`${channel.name} ±${digits(channel.rms, 2)} ${channel.unit}`}</figcaption>

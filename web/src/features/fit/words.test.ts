@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { digits, missBars, residualPoints, statusWords, uncertaintyTexts, valueRow, type Channel, type Fitted } from "./words";
+import { digits, missBars, peakRows, residualPoints, runsOf, runWords, statusWords, uncertaintyTexts, valueRow, withRole, type Channel, type Fitted } from "./words";
+import type { FitResult } from "../../api/types";
 
 const STIFFNESS: Fitted = {
   name: "contact.stiffness", unit: "N/m", description: "k_p", nominal: 800, spread: 800, value: 1100.4, standard_error: 7, low: 1086.7, high: 1114.1,
@@ -64,4 +65,32 @@ describe("a fit under way", () => {
 
 it("hands its errors to the form of rehearsals as text", () => {
   expect(uncertaintyTexts({ contact_stiffness: 0.0123456, friction: 0.01 })).toEqual({ contact_stiffness: "0.0123", friction: "0.01" });
+});
+
+describe("other runs", () => {
+  it("are fitted too, held out, or neither", () => {
+    const roles = withRole(withRole(new Map(), "one", "fitted"), "other", "held out");
+    expect([runsOf(roles, "fitted"), runsOf(roles, "held out")]).toEqual([["one"], ["other"]]);
+    expect(runsOf(withRole(roles, "one", "held out"), "held out")).toEqual(["one", "other"]);
+    expect([...withRole(roles, "one", null).keys()]).toEqual(["other"]);
+  });
+
+  it("are told apart by name, configuration and seed", () => {
+    const run = { id: "20261201T080000000-4f9a2c", name: "", configuration: "testbed", seed: 3 };
+    expect(runWords(run)).toBe("…4f9a2c, testbed, seed 3");
+    expect(runWords({ ...run, name: "hard blow" })).toBe("hard blow, testbed, seed 3");
+  });
+});
+
+describe("peak forces", () => {
+  const touch = { run: "20261201T080000000-4f9a2c", time: 3.456, arm: "right", measured: 1, nominal: 2, fitted: 3 };
+  const result = (heldOut: readonly (typeof touch)[]): FitResult =>
+    ({ runs: [touch.run], held_out: heldOut.map(({ run }) => run), touch_predictions: [touch], held_out_predictions: heldOut }) as unknown as FitResult;
+
+  it("name the run only where there are several", () => {
+    expect(peakRows(result([])).map(({ words }) => words)).toEqual(["3.46 s, right"]);
+    const rows = peakRows(result([{ ...touch, run: "20261201T080000000-81b0e2" }]));
+    expect(rows.map(({ words, heldOut }) => [words, heldOut])).toEqual([["…4f9a2c, 3.46 s, right", false], ["…81b0e2, 3.46 s, right", true]]);
+    expect(new Set(rows.map(({ key }) => key)).size).toBe(2);
+  });
 });

@@ -1,5 +1,5 @@
 /** What a fit says, as it is shown; knows nothing of React. */
-import type { FitDetail, FitResult } from "../../api/types";
+import type { FitDetail, FitResult, RunSummary } from "../../api/types";
 
 export type Fitted = FitResult["parameters"][number];
 export type Channel = FitResult["channels"][number];
@@ -94,3 +94,47 @@ export function statusWords({ status, note, progress }: FitDetail): string {
 /** Fields of the uncertainty model as the rehearsal's form has them: text. */
 export const uncertaintyTexts = (uncertainty: Readonly<Record<string, number>>): Record<string, string> =>
   Object.fromEntries(Object.entries(uncertainty).map(([name, value]) => [name, Number(value.toPrecision(3)).toString()]));
+
+/** What another run is to a fit. */
+export type Role = "fitted" | "held out";
+export type Roles = ReadonlyMap<string, Role>;
+
+/** The service takes eight to fit, this page's among them, and eight held out. */
+export const MOST_RUNS: Readonly<Record<Role, number>> = { fitted: 7, "held out": 8 };
+
+/** The roles with another one for that run; null: none. */
+export function withRole(roles: Roles, id: string, role: Role | null): Roles {
+  const next = new Map(roles);
+  if (role === null) next.delete(id);
+  else next.set(id, role);
+  return next;
+}
+
+export const runsOf = (roles: Roles, role: Role): string[] => [...roles].filter(([, each]) => each === role).map(([id]) => id);
+
+/** A run in a list: what it is called, else the end of its identifier, and what tells it from its neighbours. */
+export const runWords = ({ id, name, configuration, seed }: Pick<RunSummary, "id" | "name" | "configuration" | "seed">): string =>
+  `${name === "" ? `…${id.slice(-6)}` : name}, ${configuration}, seed ${seed}`;
+
+export interface PeakRow {
+  readonly key: string;
+  readonly words: string;
+  readonly heldOut: boolean;
+  readonly measured: number;
+  readonly nominal: number;
+  readonly fitted: number;
+}
+
+/** Peak forces of all touches, fitted runs first; a run is named where there is more than one. */
+export function peakRows({ runs, held_out: heldOut, touch_predictions: fitted, held_out_predictions: foretold }: FitResult): PeakRow[] {
+  const several = runs.length + heldOut.length > 1;
+  const row = ({ run, time, arm, measured, nominal, fitted: value }: FitResult["touch_predictions"][number], isHeldOut: boolean): PeakRow => ({
+    key: `${run} ${time} ${String(isHeldOut)}`,
+    words: `${several ? `…${run.slice(-6)}, ` : ""}${time.toFixed(2)} s, ${arm}`,
+    heldOut: isHeldOut,
+    measured,
+    nominal,
+    fitted: value,
+  });
+  return [...fitted.map((each) => row(each, false)), ...foretold.map((each) => row(each, true))];
+}
