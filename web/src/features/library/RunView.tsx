@@ -29,6 +29,7 @@ import { FitPanel } from "../fit/FitPanel";
 import { PlotPanel } from "../plots/PlotPanel";
 import { StoredPrediction } from "../rehearsal/Predicted";
 import { PredictedPanel } from "../rehearsal/PredictedPanel";
+import { MomentRehearsal } from "../rehearsal/RehearsalPanel";
 import { ReplayPanel } from "../replay/ReplayPanel";
 import { Ending } from "../runs/RunPanel";
 import { TouchTable } from "../runs/TouchTable";
@@ -151,6 +152,15 @@ function Fork({ run, playback, series }: { readonly run: Run; readonly playback:
       </div>
     </Panel>
   );
+}
+
+/** What could come of the moment that is shown. */
+function Rehearsed({ run, playback, series }: { readonly run: Run; readonly playback: Playback; readonly series: Series }) {
+  const time = useSyncExternalStore(playback.subscribe, () => {
+    const shown = playback.read();
+    return shown.playing ? Math.floor(2 * shown.time) / 2 : shown.time; // the panel need not follow every picture
+  });
+  return <MomentRehearsal moment={{ run: run.id, at: Math.min(time, run.duration), phase: phaseAt(series, time) }} />;
 }
 
 /** A moment that the replay goes to when it is pressed. */
@@ -303,6 +313,7 @@ export function RunView({ run, other, missing, query }: RunViewProps) {
           )}
           {store !== null && !isUnderWay(run) && <FitPanel key={run.id} run={run.id} />}
           {store !== null && playback !== null && !isUnderWay(run) && <Fork run={run} playback={playback} series={store.series} />}
+          {store !== null && playback !== null && !isUnderWay(run) && <Rehearsed key={`rehearsed ${run.id}`} run={run} playback={playback} series={store.series} />}
           <NameAndTags run={run} runAction={runAction} />
           <Notes run={run} runAction={runAction} playback={playback} />
         </div>

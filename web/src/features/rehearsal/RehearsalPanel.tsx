@@ -1,5 +1,6 @@
-/** Rehearsals of the live mission: what is asked for, how far it is, what came out. */
+/** Rehearsals of the live mission, or of a moment of a stored run: what is asked for, how far it is, what came out. */
 import { ActionIcon, Button, Progress, TextInput } from "@mantine/core";
+import { useState } from "react";
 import { rehearsalAddress } from "../../api/service";
 import { useAction } from "../../api/use-action";
 import { methodWords } from "../../source/methods";
@@ -10,8 +11,8 @@ import { Panel } from "../../ui/Panel";
 import { Icon } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
 import { useStaging } from "../parameters/staging";
-import { useRehearsal, useRehearsalDesk } from "./context";
-import { isFlying, type Finished } from "./desk";
+import { MomentContext, RehearsalContext, useRehearsal, useRehearsalDesk, useStoredMoment, type StoredMoment } from "./context";
+import { isFlying, RehearsalDesk, type Finished } from "./desk";
 import { OpenFuture } from "./OpenFuture";
 import { faultsOf, REQUESTS, usePlan, type Requested } from "./plan";
 import styles from "./Rehearse.module.css";
@@ -69,7 +70,9 @@ function StateLine() {
   const { changes } = useStaging();
   const flying = detail !== null && isFlying(detail);
   const ended = detail !== null && !flying && detail.status !== "finished";
-  const idle = changes.length === 0 ? "From the present state, as it is." : `As it is, against the ${changes.length === 1 ? "staged change" : `${changes.length} staged changes`}.`;
+  const moment = useStoredMoment();
+  const from = moment === null ? "From the present state" : `From ${clock(moment.at)}`;
+  const idle = changes.length === 0 ? `${from}, as it is.` : `${from}, as it is, against the ${changes.length === 1 ? "staged change" : `${changes.length} staged changes`}.`;
   return (
     <>
       <div className={styles.line}>
@@ -96,13 +99,14 @@ function StateLine() {
 
 function Of({ finished: { detail, result, run } }: { readonly finished: Finished }) {
   const desk = useRehearsalDesk();
+  const moment = useStoredMoment();
   const present = useSnapshot((snapshot) => snapshot.run_id);
   const what = `${requestWords(result.request)} from ${clock(result.time)} on, ${methodWords(result.method)}`;
   return (
     <div className={styles.of}>
       <p role="status">
         {`${what}: ${statusWords(detail)}.`}
-        {present !== null && present !== run && " Of a run that has ended."}
+        {moment === null && present !== null && present !== run && " Of a run that has ended."}
       </p>
       <ActionIcon size={20} aria-label="Dismiss the rehearsal" title="Dismiss the rehearsal" onClick={desk.dismiss}>
         <Icon icon="cross" size={10} />
@@ -111,14 +115,14 @@ function Of({ finished: { detail, result, run } }: { readonly finished: Finished
   );
 }
 
-export function RehearsalPanel() {
+export function RehearsalPanel({ title = "Rehearsal" }: { readonly title?: string }) {
   const { plan } = usePlan();
   const fields = useUncertaintyFields();
   const faults = faultsOf(plan, fields);
   const finished = useRehearsal((view) => view.finished);
   return (
     <div className={styles.place} data-result={finished !== null || undefined}>
-      <Panel title="Rehearsal" grow>
+      <Panel title={title} grow>
         <Form faults={faults} />
         <StateLine />
         <div className={styles.scroll} tabIndex={-1}>
@@ -137,5 +141,17 @@ export function RehearsalPanel() {
         </div>
       </Panel>
     </div>
+  );
+}
+
+/** On the page of a stored run: futures from the moment that it shows. */
+export function MomentRehearsal({ moment }: { readonly moment: StoredMoment }) {
+  const [desk] = useState(RehearsalDesk.unseen);
+  return (
+    <RehearsalContext value={desk}>
+      <MomentContext value={moment}>
+        <RehearsalPanel title="Rehearse from this moment" />
+      </MomentContext>
+    </RehearsalContext>
   );
 }

@@ -47,6 +47,9 @@ const SERVICE: Service = {
   wait: (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds)),
 };
 
+/** Where the scene shows something else than the live mission. */
+const UNSEEN: Service = { ...SERVICE, draw: () => Promise.resolve(), erase: () => Promise.resolve() };
+
 export const isFlying = ({ status }: RehearsalDetail): boolean => status === "queued" || status === "running";
 
 const NOTHING: RehearsalView = { asking: false, detail: null, refusal: null, finished: null, plotted: false };
@@ -58,6 +61,9 @@ export class RehearsalDesk {
   private newest = 0;
 
   constructor(private readonly service: Service = SERVICE) {}
+
+  /** Of stored moments, of which the live scene shows nothing. */
+  static readonly unseen = (): RehearsalDesk => new RehearsalDesk(UNSEEN);
 
   readonly subscribe = (listener: () => void): (() => void) => {
     this.listeners.add(listener);

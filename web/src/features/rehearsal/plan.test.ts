@@ -7,6 +7,8 @@ const FIELDS: UncertaintyField[] = [
   { name: "delay", unit: "s", description: "", source: "", default: 1e-3, minimum: 0, maximum: 0.1 },
 ];
 
+const LIVE = { run: null, at: null, phase: "idle" } as const;
+
 describe("what is asked of a rehearsal", () => {
   it("begins with what comes next, or goes on with what is under way", () => {
     expect(requestOf("next", "idle")).toBe("capture");
@@ -17,7 +19,14 @@ describe("what is asked of a rehearsal", () => {
 
   it("names only what differs from the service's defaults", () => {
     const plan = { ...PLAN, uncertainty: { friction: "0.20", delay: "0.005" } };
-    expect(rehearsalOf(plan, FIELDS, "idle", {}).uncertainty).toEqual({ delay: 0.005 });
+    expect(rehearsalOf(plan, FIELDS, LIVE, {}).uncertainty).toEqual({ delay: 0.005 });
+  });
+
+  it("begins live, or at a moment of a run, each for itself", () => {
+    const [live, stored] = [LIVE, { run: "a", at: 2.5, phase: "detumbling" as const }].map((beginning) => rehearsalOf(PLAN, FIELDS, beginning, {}));
+    expect(live).toMatchObject({ source: "live", request: "capture" });
+    expect(stored).toMatchObject({ source: { run: "a", at: 2.5 }, request: null });
+    expect(stored?.asker).not.toBe(live?.asker);
   });
 
   it("is refused at the field that is wrong", () => {

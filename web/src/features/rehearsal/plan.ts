@@ -91,17 +91,25 @@ export const HORIZON = 20;
 /** Names this page, whose newer requests take the place of older ones. */
 const PAGE = Math.random().toString(36).slice(2, 10);
 
-export const askerOf = (what: "rehearsal" | "atlas" | "fit"): string => `console-${PAGE}-${what}`;
+export const askerOf = (what: "rehearsal" | "moment" | "atlas" | "fit"): string => `console-${PAGE}-${what}`;
 
-export function rehearsalOf(plan: Plan, fields: readonly UncertaintyField[], phase: MissionSnapshot["phase"] | null, changes: Record<string, unknown>): RehearsalRequest {
+/** The state that futures begin in: at that mission time of a run, or without one as the live mission is. */
+interface Beginning {
+  readonly run: string | null;
+  readonly at: number | null;
+  readonly phase: MissionSnapshot["phase"] | null;
+}
+
+export function rehearsalOf(plan: Plan, fields: readonly UncertaintyField[], { run, at, phase }: Beginning, changes: Record<string, unknown>): RehearsalRequest {
+  const stored = run !== null && at !== null;
   return {
-    source: "live",
+    source: stored ? { run, at } : "live",
     changes,
     request: requestOf(plan.requested, phase),
     futures: numberIn(futuresOf(plan.futures)),
     seed: numberIn(seedOf(plan.seed)),
     horizon: HORIZON,
     uncertainty: editedUncertainty(plan, fields),
-    asker: askerOf("rehearsal"),
+    asker: askerOf(stored ? "moment" : "rehearsal"),
   };
 }

@@ -3,7 +3,7 @@ import { useSnapshot } from "../../store/context";
 import { useReasonByRole } from "../access/session";
 import { patchOf } from "../parameters/draft";
 import { useStaging } from "../parameters/staging";
-import { useRehearsalDesk } from "./context";
+import { useRehearsalDesk, useStoredMoment } from "./context";
 import { faultsOf, rehearsalOf, usePlan } from "./plan";
 import { useUncertaintyFields } from "./Uncertainty";
 
@@ -18,6 +18,7 @@ export function useRehearse(): Rehearse {
   const { changes, unsound } = useStaging();
   const fields = useUncertaintyFields();
   const byRole = useReasonByRole("operator");
+  const moment = useStoredMoment();
   const phase = useSnapshot((snapshot) => snapshot.phase);
   const run = useSnapshot((snapshot) => snapshot.run_id);
   const faulty = faultsOf(plan, fields).size > 0;
@@ -28,6 +29,6 @@ export function useRehearse(): Rehearse {
   ];
   return {
     reason: reasons.find((reason) => reason !== null) ?? null,
-    rehearse: () => void desk.rehearse(rehearsalOf(plan, fields, phase, patchOf(changes)), run ?? ""),
+    rehearse: () => void desk.rehearse(rehearsalOf(plan, fields, moment ?? { run: null, at: null, phase }, patchOf(changes)), moment?.run ?? run ?? ""),
   };
 }
