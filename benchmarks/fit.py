@@ -1,10 +1,12 @@
 """How well fits find what is hidden: runs of an emulated testbed, whose truth only the benchmark knows.
 
-    python -m benchmarks.fit [--seeds 20] [--first 0] [--json FILE]
+    python -m benchmarks.fit [--seeds 20] [--first 0] [--flown-by emulator] [--engine pymunk] [--json FILE]
 
-Each seed draws a truth (contact, servos, target, table, clock, wrists), flies captures with the imperfections of the
-emulated testbed headless (in real time twenty would take half an hour), gives the fit what a log would hold, and
-compares. Nothing that only the simulation knows reaches the fit: the true fields of its ticks are erased.
+Each seed draws a truth (contact, servos, target, table, clock), flies captures, gives the fit what a log would hold,
+and compares. Nothing that only the simulation knows reaches the fit: the true fields of its ticks are erased.
+
+A run is flown by the `simulation`, with the imperfections of the emulated testbed, or by the `emulator`: the robot's
+end and the console's in virtual time, as benchmarks.link_control has them, with the bytes of the wire between them.
 """
 
 from __future__ import annotations
@@ -18,18 +20,19 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.link_control import VirtualLink
 from server.link.imperfections import Imperfections
 from sim.capture.mission import Mission
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command
 from sim.identification.fit import fit, planned
-from sim.identification.parameters import GRAVITY
+from sim.identification.parameters import STAMP_ERROR
 from sim.identification.prediction import touches_of
 from sim.identification.recording import Recording, recording
+from sim.identification.result import FittedParameter
 from sim.identification.shooting import Weights
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import AirTable
 
 NAMES = (
     "contact.stiffness",
@@ -49,13 +52,17 @@ RUNS = 1
 """Fitted together; one more is held out."""
 
 
-def nominal_config() -> MissionConfig:
+def console_config(engine: str) -> MissionConfig:
+    """The testbed, as a console is configured for it."""
+    return revised(named_configuration("testbed"), {"simulation": {"engine": engine}})
+
+
+def simulated_config(engine: str) -> MissionConfig:
     """The testbed with the emulator's sensors, as they are known to be."""
     some = Imperfections()
     return revised(
-        named_configuration("testbed"),
+        console_config(engine),
         {
-            "simulation": {"engine": "reduced"},
             "perception": {
                 "source": "motion_capture",
                 "noise": {
@@ -76,14 +83,14 @@ def nominal_config() -> MissionConfig:
     )
 
 
-def truth(config: MissionConfig, seed: int) -> dict[str, float]:
-    """What is hidden, drawn by the seed."""
+def truth(config: MissionConfig, seed: int, *, stamped: bool = True) -> dict[str, float]:
+    """What is hidden, drawn by the seed; stamps of pictures are wrong only if they are `stamped` by another clock."""
     drawn = np.random.default_rng(seed)
 
     def factor(spread: float) -> float:
         return float(np.exp(drawn.uniform(-spread, spread)))
 
-    return {
+    drawn_truth = {
         "contact.stiffness": config.contact.stiffness * factor(0.5),
         "contact.damping": config.contact.damping * factor(0.5),
         "contact.friction": float(drawn.uniform(0.15, 0.5)),
@@ -95,57 +102,71 @@ def truth(config: MissionConfig, seed: int) -> dict[str, float]:
         "table.tilt_x": float(drawn.choice([-1, 1]) * drawn.uniform(5e-5, 2e-4)),
         "table.tilt_y": float(drawn.choice([-1, 1]) * drawn.uniform(5e-5, 2e-4)),
     }
+    return drawn_truth if stamped else {**drawn_truth, STAMP_ERROR: 0.0}
 
 
 def flown(config: MissionConfig, hidden: dict[str, float], seed: int, spin: float) -> Recording:
-    """A run with that truth, as a log would hold it."""
-    table = AirTable(
-        hidden["table.drag"], GRAVITY * np.sin(hidden["table.tilt_x"]), GRAVITY * np.sin(hidden["table.tilt_y"])
-    )
-    chosen = {name: value for name, value in hidden.items() if not name.startswith("table.")}
+    """A run of the simulation with that truth, as a log would hold it."""
     start = {"target": {"initial_spin": spin}}
-    true = revised(revised(config, nested(chosen)), start)
-    true = revised(true, {"simulation": {"momentum_jump_limit": 1e6, "seed": seed}})
-    mission = Mission(true, simulated_plant(true, table))
+    mission_config = revised(revised(config, nested(hidden)), start)
+    mission_config = revised(mission_config, {"simulation": {"seed": seed}})
+    return logged(f"seed-{seed}", revised(config, start), Mission(mission_config, simulated_plant(mission_config)))
+
+
+def emulated(config: MissionConfig, hidden: dict[str, float], seed: int, spin: float) -> Recording:
+    """A run of the emulated robot with that truth, as the console's log would hold it."""
+    console = revised(config, {"target": {"initial_spin": spin}})
+    true = revised(console, nested({name: value for name, value in hidden.items() if name != STAMP_ERROR}))
+    given = {name: hidden[f"table.{name}"] for name in ("drag", "tilt_x", "tilt_y")}
+    plant = VirtualLink(console, Imperfections(**given), seed, true)
+    return logged(f"seed-{seed}", console, Mission(console, plant))
+
+
+def logged(name: str, config: MissionConfig, mission: Mission) -> Recording:
+    """A capture by that mission, as its log would hold it."""
     mission.request(Command.CAPTURE)
     rows = []
     while mission.time < LENGTH - 1e-9 and mission.fault is None:
         rows.append(mission.advance(200))
     ticks = np.concatenate(rows)
-    for name in ("base_pose", "base_twist", "target_pose", "target_twist", "hand_wrench", "tip_force", "momentum"):
-        ticks[name] = np.nan
-    return recording(f"seed-{seed}", revised(config, start), [ticks])
+    for field in ("base_pose", "base_twist", "target_pose", "target_twist", "hand_wrench", "tip_force", "momentum"):
+        ticks[field] = np.nan
+    return recording(name, config, [ticks])
 
 
-def one(seed: int) -> dict[str, Any]:
+def one(seed: int, flown_by: str, engine: str) -> dict[str, Any]:
     """What the fit of one seed found."""
-    config = nominal_config()
-    hidden = truth(config, seed)
+    config = console_config(engine) if flown_by == "emulator" else simulated_config(engine)
+    hidden = truth(config, seed, stamped=flown_by != "emulator")
     spins = np.random.default_rng(seed + 1000).uniform(0.6, 1.4, RUNS + 1)
-    runs = [flown(config, hidden, 10 * seed + place, float(spin)) for place, spin in enumerate(spins)]
+    fly = emulated if flown_by == "emulator" else flown
+    runs = [fly(config, hidden, 10 * seed + place, float(spin)) for place, spin in enumerate(spins)]
     result = fit(planned(runs[:-1], NAMES, held_out=runs[-1:]))
-    found = {}
-    for each in result.parameters:
-        true = hidden[each.name]
-        found[each.name] = {
-            "true": true,
-            "value": each.value,
-            "error": each.standard_error,
-            "low": each.low,
-            "high": each.high,
-            "told": each.told,
-            "identifiable": each.told and 0.5 * (each.high - each.low) < 0.1 * abs(true),
-        }
     held = result.held_out_predictions
     hardest = max(held, key=lambda each: each.measured, default=None)
     return {
         "seed": seed,
-        "parameters": found,
+        "parameters": {each.name: compared(each, hidden[each.name]) for each in result.parameters},
         "touches": result.touches,
         "held_out": None if hardest is None else [hardest.measured, hardest.nominal, hardest.fitted],
         "held_out_by_the_truth": None if hardest is None else by_the_truth(runs[-1], hidden, hardest.time),
         "rows": result.rows,
+        "notices": result.notices,
         "wall_time": result.wall_time,
+    }
+
+
+def compared(found: FittedParameter, true: float) -> dict[str, Any]:
+    """A parameter beside the truth. Identifiable is what has an interval of less than a tenth of it either way."""
+    sharp = found.low is not None and found.high is not None and 0.5 * (found.high - found.low) < 0.1 * abs(true)
+    return {
+        "true": true,
+        "value": found.value,
+        "error": found.standard_error,
+        "low": found.low,
+        "high": found.high,
+        "told": found.told,
+        "identifiable": found.told and sharp,
     }
 
 
@@ -157,7 +178,7 @@ def by_the_truth(run: Recording, hidden: dict[str, float], time: float) -> float
 
 def timed() -> dict[str, float]:
     """Wall and processor time of one run of 30 s fitted for six parameters [s], and the ticks that were flown."""
-    config = nominal_config()
+    config = simulated_config("reduced")
     run = flown(config, truth(config, 0), 0, 1.0)
     plan = planned([run], (*NAMES[:5], "target.inertia"))
     fit(plan)
@@ -205,11 +226,13 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--flown-by", choices=("simulation", "emulator"), default="simulation")
+    parser.add_argument("--engine", choices=("reduced", "pymunk"), default="reduced", help="of what flies the runs")
     parser.add_argument("--json", type=Path, help="write every seed's numbers there")
     options = parser.parse_args()
     seeds = []
     for seed in range(options.first, options.first + options.seeds):
-        seeds.append(one(seed))
+        seeds.append(one(seed, options.flown_by, options.engine))
         print(json.dumps(seeds[-1]), flush=True)
     result = {**summary(seeds), "30_s_and_6_parameters": timed()}
     print(json.dumps(result, indent=1))

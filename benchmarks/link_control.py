@@ -12,7 +12,6 @@ same numbers. What the clocks of two processes add is measured by benchmarks.lin
 from __future__ import annotations
 
 import argparse
-import math
 from collections import deque
 from functools import reduce
 
@@ -23,7 +22,6 @@ from server.link import wire
 from server.link.contract import MOTION_CAPTURE_RATE
 from server.link.imperfections import BODIES, Imperfections, Sensors
 from server.link.perception import Perception
-from server.link.robot_emulator import GRAVITY
 from sim.capture.mission import Mission
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
@@ -31,7 +29,7 @@ from sim.configurations import merged, named_configuration, revised
 from sim.control.phases import Command
 from sim.model.robot import chain, robot_model
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import PLANT_STATE, AirTable
+from sim.plant.plant import PLANT_STATE
 from sim.record import Record
 from sim.snapshot import Outcome
 
@@ -45,9 +43,12 @@ class VirtualLink:
 
     handle = None
 
-    def __init__(self, config: MissionConfig, some: Imperfections, seed: int) -> None:
-        table = AirTable(some.drag, GRAVITY * math.sin(some.tilt_x), GRAVITY * math.sin(some.tilt_y))
-        self.truth = simulated_plant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
+    def __init__(
+        self, config: MissionConfig, some: Imperfections, seed: int, truth: MissionConfig | None = None
+    ) -> None:
+        """A robot that the console takes for that of a configuration, and which truly is that of another one."""
+        table = {"drag": some.drag, "tilt_x": some.tilt_x, "tilt_y": some.tilt_y}
+        self.truth = simulated_plant(revised(truth or config, {"table": table}))
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         self.state["tick"] = -1
         self._period = round(1e9 * config.control.period)

@@ -590,6 +590,23 @@ class JudgingConfig(ConfigModel):
     )
 
 
+class TableConfig(ConfigModel):
+    """The air table of a testbed; without drag and tilt bodies float free."""
+
+    drag: Number = parameter(
+        0.0,
+        "Part of every velocity that is lost in a second, for small ones",
+        unit="1/s",
+        source="chosen: floating free",
+        ge=0,
+        le=10,
+    )
+    tilt_x: Number = parameter(
+        0.0, "Tilt along x; what is on it slides that way", unit="rad", source="chosen: level", ge=-0.1, le=0.1
+    )
+    tilt_y: Number = parameter(0.0, "Tilt along y", unit="rad", source="chosen: level", ge=-0.1, le=0.1)
+
+
 class SimulationConfig(ConfigModel):
     """What simulates the plant, and its numerics (docs/decisions, findings)."""
 
@@ -651,6 +668,7 @@ class MissionConfig(MethodGroups):
     robot: RobotConfig = RobotConfig()
     target: TargetConfig = TargetConfig()
     contact: ContactConfig = ContactConfig()
+    table: TableConfig = TableConfig()
     perception: PerceptionConfig = PerceptionConfig()
     control: ControlConfig = ControlConfig()
     judging: JudgingConfig = JudgingConfig()

@@ -12,6 +12,7 @@ _GROUPS = {
     "robot.servo": ("Joint servos", "{}"),
     "target": ("Target", "{} of the target"),
     "contact": ("Contact of tip and target", "{} of the contact"),
+    "table": ("Air table", "{} of the table"),
     "": ("Mission", "{}"),
     "perception": ("Perception", "{}"),
     "perception.noise": ("Sensor noise", "Noise of the {}"),

@@ -31,9 +31,7 @@ from sim.config import MissionConfig
 from sim.configurations import revised
 from sim.model.robot import chain, robot_model
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import AirTable
 
-GRAVITY = 9.81
 WAITING = 32
 """Messages of one key that wait for the thread, the oldest go first: more than a deadline's, and few enough to be read
 within a control period. Each key has its own, so that none crowds out a STOP."""
@@ -163,9 +161,8 @@ class _Robot:
     def __init__(self, settings: RobotSettings, clock: Clock, seed: int) -> None:
         config = settings.config
         some = settings.imperfections
-        table = AirTable(some.drag, GRAVITY * np.sin(some.tilt_x), GRAVITY * np.sin(some.tilt_y))
-        # The table takes momentum and gives it, and that is no fault of the plant's.
-        self._plant = simulated_plant(revised(config, {"simulation": {"momentum_jump_limit": 1e6}}), table)
+        config = revised(config, {"table": {"drag": some.drag, "tilt_x": some.tilt_x, "tilt_y": some.tilt_y}})
+        self._plant = simulated_plant(config)
         self._model = robot_model(config.robot)
         self._period = config.control.period
         self._clock = clock
@@ -183,16 +180,16 @@ class _Robot:
         self._shown: tuple[Any, ...] = ()
         self._cycle = 0
         self._late: deque[float] = deque(maxlen=round(1.0 / self._period))
-        self._warm_up(config, table)
+        self._warm_up(config)
         self._session = LinkSession(settings.transport)
         self.outbox = Outbox(self._session.publish, seed)
         for channel in OBEYED:
             take = self._take_heartbeat if channel is contract.HEARTBEAT else self._taker(channel)
             self._session.subscribe(channel, take)
 
-    def _warm_up(self, config: MissionConfig, table: AirTable) -> None:
+    def _warm_up(self, config: MissionConfig) -> None:
         """Load all compiled code before the schedule begins."""
-        plant = simulated_plant(config, table)
+        plant = simulated_plant(config)
         plant.apply_joint_rates(np.zeros((2, 3)))
         state = plant.state
         chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])

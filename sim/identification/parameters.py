@@ -1,4 +1,4 @@
-"""What a fit may vary: parameters of the configuration, and what only a laboratory has: table, wrists, clocks.
+"""What a fit may vary: parameters of the configuration, and what only a laboratory has: wrists, and when commands come.
 
 Each has a prior: its nominal value with a wide spread, and bounds. A value that a run says nothing about stays there.
 """
@@ -14,10 +14,6 @@ import numpy as np
 from sim.compiled import FloatArray
 from sim.config import PARAMETERS, HandMount, MissionConfig, value_at
 from sim.errors import ConfigError
-from sim.plant.plant import AirTable
-
-GRAVITY = 9.81
-"""[m/s2]"""
 
 STAMP_ERROR = "perception.capture.stamp_error"
 COMMAND_DELAY = "command.delay"
@@ -58,14 +54,14 @@ _SPREADS: Mapping[str, tuple[float, float]] = {
     "target.mass": (0.5, 0.0),
     "target.inertia": (0.5, 0.0),
     STAMP_ERROR: (0.0, 0.01),
+    "table.drag": (0.0, 0.05),
+    "table.tilt_x": (0.0, 1e-3),
+    "table.tilt_y": (0.0, 1e-3),
 }
 """Of the configuration: the prior's spread, relative to the nominal value and beside it."""
 
 _OWN: Mapping[str, tuple[str, str, float, float, float, float]] = {
     COMMAND_DELAY: ("s", "From a commanded joint rate to the servo that follows it", 0.0, 5e-3, 0.0, 0.1),
-    "table.drag": ("1/s", "Air drag: part of every velocity that is lost in a second", 0.0, 0.05, 0.0, 10.0),
-    "table.tilt_x": ("rad", "Tilt of the table along x", 0.0, 1e-3, -0.1, 0.1),
-    "table.tilt_y": ("rad", "Tilt of the table along y", 0.0, 1e-3, -0.1, 0.1),
     **{
         f"wrist.{arm}.{name}": (unit, f"{words} of the {arm} wrist", nominal, spread, low, high)
         for arm in ("left", "right")
@@ -146,7 +142,6 @@ class Hypothesis(NamedTuple):
     """What robot, target, table and sensors are taken to be."""
 
     config: MissionConfig
-    table: AirTable
     command_delay: float
     """[s]"""
     pose_lag: float
@@ -168,7 +163,6 @@ def hypothesis(config: MissionConfig, values: Mapping[str, float], command_delay
 
     return Hypothesis(
         config=changed(config, {name: value for name, value in values.items() if name in PARAMETERS}),
-        table=AirTable(own("table.drag"), GRAVITY * own("table.tilt_x"), GRAVITY * own("table.tilt_y")),
         command_delay=own(COMMAND_DELAY),
         pose_lag=float(values.get(STAMP_ERROR, config.perception.capture.stamp_error)),
         gain=(own("wrist.left.gain"), own("wrist.right.gain")),

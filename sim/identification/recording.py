@@ -28,6 +28,9 @@ SHORTEST = 1.0
 MOST_DELAY = 6
 """Control periods by which commands may be late when they are looked for in the joints' motion."""
 
+MOST_MISSED = 4
+"""Joint states in a row that may be missed without a gap: for so long a robot surely keeps its joint rates."""
+
 _TIME_CONSTANTS = (3e-4, 1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3, 0.012, 0.016, 0.025, 0.04)
 """Of servos, tried when the delay of commands is looked for [s]."""
 
@@ -106,10 +109,12 @@ def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw:
         raise MissionRefused(f"run {name}: it has no ticks", tip="take a run that has flown")
     rows = np.concatenate(found)
     _require_usable(name, config, rows)
+    rows, missed = _on_grid(rows, config.control.period)
     robots = raw or _is_of_robot(config, rows)
     modelled = not raw and config.perception.estimator is Estimator.MODEL_BASED
     commanded, angle = rows["commanded_joint_rate"].copy(), rows["joint_angle"].copy()
     segment = np.concatenate([[0], np.cumsum(np.diff(rows["tick"]) != 1)])
+    wrench = np.where(missed[:, None, None], np.nan, rows["perceived_hand_wrench"])
     touching = rows["perceived_contact"] != 0
     perfect = bool(is_perfect(record_of(config.perception))) and not robots
     filmed = robots or config.perception.source is Source.MOTION_CAPTURE
@@ -127,7 +132,7 @@ def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw:
         mount_angle=np.nan_to_num(rows["mount_angle"]),
         base_pose=_unwound(base),
         target_pose=_unwound(target),
-        wrench=rows["perceived_hand_wrench"].copy(),
+        wrench=wrench,
         touching=touching,
         near=is_near(config, base, angle, target),
         gated=not rows["perceived_hand_wrench"][~touching].any(),
@@ -136,6 +141,36 @@ def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw:
         command_delay=delay,
         servo_guess=constant,
     )
+
+
+def _on_grid(rows: Ticks, period: float) -> tuple[Ticks, BoolArray]:
+    """Rows a control period apart, and which of them nobody has read.
+
+    A console that misses a joint state goes on with the next one: the tick after the last, but later by two periods.
+    In between the robot goes on as it was commanded, joints on their way from the one reading to the other. Where more
+    than `MOST_MISSED` are missing there is a gap in the ticks.
+    """
+    late = np.rint(np.diff(rows["time"]) / period).astype(int) - np.diff(rows["tick"])
+    put_in = np.concatenate([np.where((late > 0) & (late <= MOST_MISSED), late, 0), [0]])
+    after = np.cumsum(1 + put_in) - 1 - put_in
+    result = np.repeat(rows, 1 + put_in)
+    places = np.arange(len(result))
+    missed: BoolArray = ~np.isin(places, after)
+    result["tick"] = rows["tick"][0] + places
+    jumped = np.concatenate(
+        [[0], np.cumsum(np.maximum(0, np.diff(rows["tick"]) - 1) + np.where(late > MOST_MISSED, late, 0))]
+    )
+    result["tick"] += np.repeat(jumped, 1 + put_in)
+    since = (places - after[np.searchsorted(after, places, side="right") - 1]) * period
+    result["time"] += since
+    for body in ("base", "target"):
+        result[f"{body}_perceived_pose"] += since[:, None] * result[f"{body}_perceived_twist"]
+    angle = rows["joint_angle"].reshape(len(rows), -1)
+    for joint in range(angle.shape[1]):
+        result["joint_angle"].reshape(len(result), -1)[missed, joint] = np.interp(
+            places[missed], after, angle[:, joint]
+        )
+    return result, missed
 
 
 def _is_of_robot(config: MissionConfig, rows: Ticks) -> bool:

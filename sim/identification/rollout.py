@@ -45,9 +45,9 @@ class Model:
         self.recorded = recorded
         self.truth = truth
         config = _flown(truth.config)
-        self._solid = ReducedPlant(config, truth.table)
+        self._solid = ReducedPlant(config)
         # Where nothing touches a step of a whole period is as good: all that is integrated then is the base's turn.
-        self._free = ReducedPlant(changed(config, {"simulation.time_step": config.control.period}), truth.table)
+        self._free = ReducedPlant(changed(config, {"simulation.time_step": config.control.period}))
         self._rates = commands_at(recorded, truth.command_delay)
         self._own = threading.local()
         """Plants of each thread."""
@@ -124,7 +124,7 @@ def joint_rates_at(recorded: Recording, row: int) -> FloatArray:
 
 
 def _flown(config: MissionConfig) -> MissionConfig:
-    """As the reduced plant flies it; a table may take momentum, and a wild guess of a fit is no fault of a plant."""
+    """As the reduced plant flies it; a wild guess of a fit is no fault of a plant."""
     own = SimulationConfig.model_fields
     update: dict[str, Any] = {
         name: own[name].default for name in ("solver_iterations", "joint_error_time", "collision_slop")

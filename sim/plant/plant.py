@@ -7,6 +7,7 @@ makes one version for each class of handle, and keeps it on disk like all compil
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
@@ -14,9 +15,16 @@ import numpy as np
 from numba.extending import overload
 
 from sim.compiled import INLINE, FloatArray, compiled_inline
+from sim.config import TableConfig
 from sim.model.generalized_jacobian import is_finite
 from sim.model.reduced_model import shape_of_state
 from sim.record import Record
+
+GRAVITY = 9.81
+"""[m/s2]"""
+
+_NEAR = 10.0
+"""From the world's origin no body of a testbed is farther [m]."""
 
 PLANT_STATE = np.dtype(
     [
@@ -98,6 +106,11 @@ class AirTable(NamedTuple):
     """Acceleration that the table's tilt gives every body, world axes [m/s2]."""
     slope_y: float = 0.0
     """Likewise."""
+
+
+def air_table(config: TableConfig) -> AirTable:
+    """The configured table."""
+    return AirTable(config.drag, GRAVITY * math.sin(config.tilt_x), GRAVITY * math.sin(config.tilt_y))
 
 
 class _PlantKernel(NamedTuple):
@@ -196,6 +209,25 @@ def _robot_shape_of(handle: Any, robot: Any, state: Any, shape: Any) -> Any:
 
 
 @compiled_inline
+def _given_by_table(parameters: Record, size: float) -> float:
+    """What an air table may change total momentum by in a control period, generously [N s, and N m s within `_NEAR`].
+
+    Args:
+        parameters: record of the configuration.
+        size: of all bodies' momenta.
+
+    """
+    table, robot = parameters.table, parameters.robot
+    if table.drag == 0.0 and table.tilt_x == 0.0 and table.tilt_y == 0.0:
+        return 0.0
+    arm = robot.arm
+    mass = robot.base.mass + parameters.target.mass
+    mass += 2.0 * (arm.link_1.mass + arm.link_2.mass + arm.link_3.mass + arm.hand.mass)
+    slope = GRAVITY * (abs(table.tilt_x) + abs(table.tilt_y))
+    return float(parameters.control.period * (_NEAR * mass * slope + table.drag * size))
+
+
+@compiled_inline
 def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArray, state: Record) -> bool:
     """Step a plant through one control period under joint rates [rad/s], shape (2, 3).
 
@@ -208,7 +240,8 @@ def advance_plant(handle: PlantHandle, parameters: Record, joint_rate: FloatArra
         _step(handle, parameters, joint_rate, state)
     state.tick += 1
     state.time = state.tick * parameters.control.period
-    limit = parameters.simulation.momentum_jump_limit * _momentum_size(handle)
+    size = _momentum_size(handle)
+    limit = parameters.simulation.momentum_jump_limit * size + _given_by_table(parameters, size)
     kept = (
         abs(state.momentum[0] - before_x) <= limit
         and abs(state.momentum[1] - before_y) <= limit

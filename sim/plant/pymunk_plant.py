@@ -52,7 +52,7 @@ from sim.plant.chipmunk import (
     get_vector,
 )
 from sim.plant.contact import tip_contact
-from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
+from sim.plant.plant import PLANT_STATE, advance_plant, air_table, diverged_at, register_kernel
 from sim.record import Record, code_of, packed, record_of
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
@@ -103,12 +103,12 @@ class PymunkHandle(NamedTuple):
 class PymunkPlant:
     """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
 
-    def __init__(self, config: MissionConfig, table: AirTable | None = None) -> None:
-        """Robot and target as configured, floating free or on an air table."""
+    def __init__(self, config: MissionConfig) -> None:
+        """Robot and target as configured."""
         self.parameters: Record = record_of(config)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         robot = robot_model(config.robot)
-        self._space = _space(config, table or AirTable())
+        self._space = _space(config)
         self._bodies = _bodies(config, robot)
         self._motors = _joints(config, robot, self._bodies)
         solid = np.zeros(2, np.int64)
@@ -163,8 +163,8 @@ class PymunkPlant:
             self._space.on_collision(_TARGET_TYPE, kind, begin=begin, separate=separate)
 
 
-def _space(config: MissionConfig, table: AirTable) -> pymunk.Space:
-    simulation = config.simulation
+def _space(config: MissionConfig) -> pymunk.Space:
+    simulation, table = config.simulation, air_table(config.table)
     space = pymunk.Space()
     space.iterations = simulation.solver_iterations
     space.collision_slop = simulation.collision_slop

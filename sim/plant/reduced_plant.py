@@ -29,7 +29,7 @@ from sim.model.robot import JOINTS, LINKS, RobotModel, base_shape, initial_joint
 from sim.model.shape import Shape, surface
 from sim.model.target import TargetModel, target_model
 from sim.plant.contact import contact_force, tip_contact
-from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, copy_state, diverged_at, register_kernel
+from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, air_table, copy_state, diverged_at, register_kernel
 from sim.plant.solid_contact import Solids, depth_in_capsule_side, solids
 from sim.record import Record, copy_vector, packed, record_of
 
@@ -142,11 +142,11 @@ class ReducedHandle(NamedTuple):
 class ReducedPlant:
     """The simulated robot and target in reduced coordinates. Owned by one thread."""
 
-    def __init__(self, config: MissionConfig, table: AirTable | None = None) -> None:
-        """Robot and target as configured, floating free or on an air table."""
+    def __init__(self, config: MissionConfig) -> None:
+        """Robot and target as configured."""
         self.parameters: Record = record_of(config)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
-        fixed = _fixed(config, table or AirTable())
+        fixed = _fixed(config)
         self.handle = ReducedHandle(_plant_record(fixed))
         self._own: StateArray = self.handle.plant["own"]
         _lay_out(self._own, config)
@@ -203,7 +203,7 @@ class ReducedPlant:
         _set_shape(self.handle.plant[0], self.handle.plant[0]["end"])
 
 
-def _fixed(config: MissionConfig, table: AirTable) -> Fixed:
+def _fixed(config: MissionConfig) -> Fixed:
     robot, target = robot_model(config.robot), target_model(config.target)
     return Fixed(
         robot=robot,
@@ -212,7 +212,7 @@ def _fixed(config: MissionConfig, table: AirTable) -> Fixed:
         target=target,
         solids=solids(config, robot, target),
         servo=_servo(config, robot),
-        table=table,
+        table=air_table(config.table),
     )
 
 

@@ -70,6 +70,7 @@ async def test_a_fit_from_its_start_to_a_preset_and_reports(console):
 async def test_a_fit_is_cancelled_and_what_cannot_be_fitted_is_refused(console):
     run = await flown(console)
     begun = (await console.http.post("/fits", json={"runs": [run]})).json()
+    assert (console.services.fits.waiting, console.services.rehearsals.waiting) == (1, 0), "look-aheads go on"
     cancelled = await console.http.post(f"/fits/{begun['id']}/cancel")
     assert cancelled.json()["status"] == "cancelled"
     assert (await console.http.post(f"/fits/{begun['id']}/cancel")).status_code == 409

@@ -15,7 +15,7 @@ from sim.errors import ConfigError, PlantDiverged
 from sim.model.generalized_jacobian import free_flying_model
 from sim.model.planar import cross
 from sim.model.robot import chain, inertia_matrix, robot_model
-from sim.plant.plant import PLANT_STATE, AirTable
+from sim.plant.plant import GRAVITY, PLANT_STATE
 from sim.plant.reduced_plant import ReducedPlant
 from tests.flying import after, laid_out
 from tests.physics.free_flight import AMPLITUDE, FREQUENCY, fly_freely, reference_base_pose, remote_target
@@ -238,14 +238,14 @@ class TestSavedStates:
 
 class TestAirTable:
     def test_drag_slows_target_and_robot_alike(self):
-        config = reduced({"target.initial_y": 4.0, "target.initial_velocity_x": 0.1})
-        state = after(ReducedPlant(config, AirTable(drag=0.4)), STILL, 1000)
+        config = reduced({"target.initial_y": 4.0, "target.initial_velocity_x": 0.1, "table.drag": 0.4})
+        state = after(ReducedPlant(config), STILL, 1000)
         assert state["target_twist"] == pytest.approx([0.1 * math.exp(-0.4), 0.0, math.exp(-0.4)], rel=1e-9)
         assert state["target_pose"][0] == pytest.approx(0.1 * -math.expm1(-0.4) / 0.4, rel=1e-6)
 
     def test_tilt_accelerates_everything_alike(self):
-        config = reduced({"target.initial_y": 4.0, "target.initial_spin": 0.0, "simulation.momentum_jump_limit": 1e6})
-        plant = ReducedPlant(config, AirTable(slope_x=0.02, slope_y=-0.01))
+        tilt = {"table.tilt_x": math.asin(0.02 / GRAVITY), "table.tilt_y": -math.asin(0.01 / GRAVITY)}
+        plant = ReducedPlant(reduced({"target.initial_y": 4.0, "target.initial_spin": 0.0, **tilt}))
         before = {name: plant.state[name].copy() for name in ("base_pose", "target_pose")}
         state = after(plant, STILL, 1000)
         for name, start in before.items():

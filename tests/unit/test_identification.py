@@ -8,7 +8,7 @@ import pytest
 
 from sim.capture.mission import Mission
 from sim.config import MissionConfig
-from sim.configurations import named_configuration, revised
+from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command
 from sim.errors import ConfigError, MissionRefused
 from sim.identification.fit import fit, planned
@@ -17,15 +17,14 @@ from sim.identification.pictures import pictures
 from sim.identification.recording import recording
 from sim.identification.varpro import FitCancelled
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import AirTable
 
 HIDDEN = {
     "contact": {"stiffness": 1100.0, "friction": 0.2},
     "robot": {"servo": {"time_constant": 0.004}},
     "target": {"inertia": 0.0105},
     "perception": {"capture": {"stamp_error": 0.005}},
+    "table": {"drag": 0.05},
 }
-TABLE = AirTable(drag=0.05)
 NAMES = (
     "contact.stiffness",
     "contact.friction",
@@ -48,8 +47,8 @@ def nominal() -> MissionConfig:
 @cache
 def ticks():
     """Of a run whose target is struck once, and of which a log holds what was perceived."""
-    true = revised(revised(nominal(), HIDDEN), {"simulation": {"momentum_jump_limit": 1e6}})
-    mission = Mission(true, simulated_plant(true, TABLE))
+    true = revised(nominal(), HIDDEN)
+    mission = Mission(true, simulated_plant(true))
     mission.request(Command.CAPTURE)
     return np.concatenate([mission.advance(100) for _ in range(10)])
 
@@ -86,8 +85,8 @@ def test_the_miss_is_taken_apart_into_parts_that_sum_up():
 
 
 def test_a_preset_keeps_what_the_configuration_has():
-    assert set(fitted().preset) == set(NAMES) - {"table.drag"}
-    revised(nominal(), {"contact": {"stiffness": fitted().preset["contact.stiffness"]}})
+    assert set(fitted().preset) == set(NAMES)
+    revised(nominal(), nested(fitted().preset))
 
 
 def test_residuals_fall_to_the_noise_of_the_sensors():
@@ -165,6 +164,20 @@ def test_nothing_is_flown_across_a_gap():
     run = recording("gap", nominal(), [rows])
     assert run.segment[-1] == 1
     assert any("1 gaps" in notice for notice in fit(planned([run], ("robot.servo.time_constant",))).notices)
+
+
+def test_a_joint_state_that_was_missed_is_no_gap_and_time_goes_on():
+    rows = log(ticks()[:600])
+    kept = np.delete(rows, [200, 300, 301, *range(400, 410)])
+    kept["tick"] = rows["tick"][: len(kept)]  # a console counts what it has got
+    run = recording("missed", nominal(), [kept])
+    assert len(run.time) == 590
+    assert np.flatnonzero(np.diff(run.segment)).tolist() == [399]
+    assert run.time[:400] == pytest.approx(rows["time"][:400])
+    assert run.commanded[200].tolist() == rows["commanded_joint_rate"][199].tolist()
+    assert run.joint_angle[200] == pytest.approx(rows["joint_angle"][200], abs=1e-4)
+    assert np.isnan(run.wrench[[200, 300, 301]]).all()
+    assert np.isfinite(run.wrench[[199, 201, 299, 302]]).all()
 
 
 def test_names_are_checked():

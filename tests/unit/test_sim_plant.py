@@ -158,3 +158,14 @@ class TestHandle:
         robot = robot_model(MissionConfig().robot)
         assert handle.masses[:-1].sum() == pytest.approx(robot.total_mass)
         assert handle.inertias[-1] == MissionConfig().target.inertia
+
+
+def test_an_air_table_tilts_and_drags_and_is_no_fault():
+    table = {"table": {"drag": 0.4, "tilt_x": 2e-3}}
+    plant = PymunkPlant(revised(MissionConfig(), {**table, "target": {"initial_y": 4.0}}))
+    for _ in range(1000):
+        plant.apply_joint_rates(np.zeros((2, 3)))
+    kept = math.exp(-0.4)
+    for body in ("base_twist", "target_twist"):
+        assert plant.state[body][0] == pytest.approx(9.81 * math.sin(2e-3) * (1.0 - kept) / 0.4, rel=1e-3)
+    assert plant.state["target_twist"][2] == pytest.approx(MissionConfig().target.initial_spin * kept, rel=1e-3)
