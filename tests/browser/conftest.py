@@ -55,12 +55,13 @@ class Service:
     process: subprocess.Popen[bytes]
 
     def ask(self, path: str, body: dict[str, Any] | None = None, method: str | None = None) -> Any:
-        """GET, or POST if there is a body, or what is said; the JSON answer."""
+        """GET, or POST if there is a body, or what is said; the JSON answer, None for an empty one."""
         data = None if body is None else json.dumps(body).encode()
         headers = {"Content-Type": "application/json"}
         request = urllib.request.Request(f"{self.address}/api/v1{path}", data, headers, method=method)
         with urllib.request.urlopen(request, timeout=60) as answer:
-            return json.loads(answer.read())
+            content = answer.read()
+            return json.loads(content) if content else None
 
     def reset_when_prepared(self, **request: Any) -> None:
         """Reset the mission once what it flies is compiled; until then the service answers 503."""
