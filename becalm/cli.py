@@ -120,7 +120,7 @@ Examples:
 \b
 What can be fitted: parameters of contact, servos, base and target by their full paths,
 perception.capture.stamp_error, command.delay, table.drag, table.tilt_x, table.tilt_y,
-wrist.left.gain, wrist.left.bias_x, .bias_y, .bias_torque, and those of the right (docs/fit.md).
+perception.wrist.left.gain, .bias_x, .bias_y, .bias_torque, and those of the right (docs/fit.md).
 """
 
 IMPORT_EXAMPLES = """\b

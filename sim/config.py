@@ -426,6 +426,26 @@ class ImperfectionsConfig(ConfigModel):
     )
 
 
+class WristConfig(ConfigModel):
+    """What a simulated wrist reads of what it feels: a calibration that is off, as a fit may find it."""
+
+    gain: Number = parameter(1.0, "What a newton reads", unit="1", source="chosen: calibrated", gt=0.1, le=10)
+    bias_x: Number = parameter(
+        0.0, "Reading without a force, along the hand's x axis", unit="N", source="chosen: tared", ge=-100, le=100
+    )
+    bias_y: Number = parameter(
+        0.0, "Reading without a force, along the hand's y axis", unit="N", source="chosen: tared", ge=-100, le=100
+    )
+    bias_torque: Number = parameter(0.0, "Reading without a torque", unit="N m", source="chosen: tared", ge=-10, le=10)
+
+
+class WristsConfig(ConfigModel):
+    """Both wrists of a simulation; a robot has its own."""
+
+    left: WristConfig = WristConfig()
+    right: WristConfig = WristConfig()
+
+
 class Source(StrEnum):
     """How the controller comes by the motion of base and target."""
 
@@ -510,6 +530,7 @@ class PerceptionConfig(ConfigModel):
     )
     noise: NoiseConfig = NoiseConfig()
     imperfections: ImperfectionsConfig = ImperfectionsConfig()
+    wrist: WristsConfig = WristsConfig()
     capture: CaptureConfig = CaptureConfig()
     filter: FilterConfig = FilterConfig()
     force_smoothing_time: Number = parameter(

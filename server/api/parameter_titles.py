@@ -17,6 +17,8 @@ _GROUPS = {
     "perception": ("Perception", "{}"),
     "perception.noise": ("Sensor noise", "Noise of the {}"),
     "perception.imperfections": ("Sensor imperfections", "{}"),
+    "perception.wrist.left": ("Left wrist", "Left wrist: {}"),
+    "perception.wrist.right": ("Right wrist", "Right wrist: {}"),
     "perception.capture": ("Motion capture", "Motion capture: {}"),
     "perception.filter": ("Filter of motion capture", "Expected {}"),
     "control": ("Controller", "{}"),

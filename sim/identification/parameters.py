@@ -1,4 +1,4 @@
-"""What a fit may vary: parameters of the configuration, and what only a laboratory has: wrists, and when commands come.
+"""What a fit may vary: parameters of the configuration, and when commands come.
 
 Each has a prior: its nominal value with a wide spread, and bounds. A value that a run says nothing about stays there.
 """
@@ -57,21 +57,16 @@ _SPREADS: Mapping[str, tuple[float, float]] = {
     "table.drag": (0.0, 0.05),
     "table.tilt_x": (0.0, 1e-3),
     "table.tilt_y": (0.0, 1e-3),
+    **{
+        f"perception.wrist.{arm}.{name}": (0.0, spread)
+        for arm in ("left", "right")
+        for name, spread in (("gain", 0.2), ("bias_x", 0.3), ("bias_y", 0.3), ("bias_torque", 0.01))
+    },
 }
 """Of the configuration: the prior's spread, relative to the nominal value and beside it."""
 
 _OWN: Mapping[str, tuple[str, str, float, float, float, float]] = {
     COMMAND_DELAY: ("s", "From a commanded joint rate to the servo that follows it", 0.0, 5e-3, 0.0, 0.1),
-    **{
-        f"wrist.{arm}.{name}": (unit, f"{words} of the {arm} wrist", nominal, spread, low, high)
-        for arm in ("left", "right")
-        for name, unit, words, nominal, spread, low, high in (
-            ("gain", "1", "What a newton reads,", 1.0, 0.2, 0.1, 10.0),
-            ("bias_x", "N", "Reading without a force, along the hand's x axis,", 0.0, 0.3, -100.0, 100.0),
-            ("bias_y", "N", "Reading without a force, along the hand's y axis,", 0.0, 0.3, -100.0, 100.0),
-            ("bias_torque", "N m", "Reading without a torque", 0.0, 0.01, -10.0, 10.0),
-        )
-    },
 }
 """What the configuration has not: unit, words, nominal value, spread, bounds."""
 
@@ -144,29 +139,13 @@ class Hypothesis(NamedTuple):
     config: MissionConfig
     command_delay: float
     """[s]"""
-    pose_lag: float
-    """By how much the poses of a row are older than its joints, unknown to whoever recorded them [s]."""
-    gain: tuple[float, float]
-    """Of the wrists."""
-    bias: tuple[tuple[float, float, float], tuple[float, float, float]]
-    """Likewise, in their hands' axes [N, N, N m]."""
 
 
 def hypothesis(config: MissionConfig, values: Mapping[str, float], command_delay: float = 0.0) -> Hypothesis:
     """What is so if these values are; everything else is as configured."""
-
-    def own(name: str) -> float:
-        return float(values.get(name, command_delay if name == COMMAND_DELAY else _OWN[name][2]))
-
-    def bias(arm: str) -> tuple[float, float, float]:
-        return own(f"wrist.{arm}.bias_x"), own(f"wrist.{arm}.bias_y"), own(f"wrist.{arm}.bias_torque")
-
     return Hypothesis(
         config=changed(config, {name: value for name, value in values.items() if name in PARAMETERS}),
-        command_delay=own(COMMAND_DELAY),
-        pose_lag=float(values.get(STAMP_ERROR, config.perception.capture.stamp_error)),
-        gain=(own("wrist.left.gain"), own("wrist.right.gain")),
-        bias=(bias("left"), bias("right")),
+        command_delay=float(values.get(COMMAND_DELAY, command_delay)),
     )
 
 

@@ -102,11 +102,12 @@ def _stepped(plant: ReducedPlant) -> Stepped:
 
 
 def _reader(recorded: Recording, truth: Hypothesis) -> Reader:
-    smoothing = recorded.smoothing
+    smoothing, perception = recorded.smoothing, truth.config.perception
+    wrists = perception.wrist.left, perception.wrist.right
     return Reader(
-        gain=np.array(truth.gain),
-        bias=np.array(truth.bias),
-        lag=truth.pose_lag,
+        gain=np.array([wrist.gain for wrist in wrists]),
+        bias=np.array([[wrist.bias_x, wrist.bias_y, wrist.bias_torque] for wrist in wrists]),
+        lag=perception.capture.stamp_error,
         part=1.0 - math.exp(-recorded.period / smoothing) if smoothing > 0.0 else 1.0,
         period=recorded.period,
     )

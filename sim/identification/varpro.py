@@ -32,7 +32,7 @@ _CLOSE = 1e-3
 _INSIDE = 0.1
 """Distance from its bounds, in spreads, at which a parameter begins: beside a bound steps are short ones."""
 
-_CONTACT_ONLY = ("contact.", "target.", "wrist.")
+_CONTACT_ONLY = ("contact.", "target.", "perception.wrist.")
 """What free flight says nothing about."""
 
 _T = TypeVar("_T")

@@ -51,6 +51,34 @@ def add_imperfections(imperfections: Record, seed: int, hand_angle: FloatArray, 
 
 
 @compiled
+def is_miscalibrated(wrists: Record) -> bool:
+    """Whether a wrist reads anything else than what it feels; a record of `WristsConfig`."""
+    for arm in range(2):
+        wrist = wrists.left if arm == 0 else wrists.right
+        if wrist.gain != 1.0 or wrist.bias_x != 0.0 or wrist.bias_y != 0.0 or wrist.bias_torque != 0.0:
+            return True
+    return False
+
+
+@compiled
+def miscalibrate(wrists: Record, hand_angle: FloatArray, known: Record) -> None:
+    """Make of the wrenches in one element of `PERCEIVED` what wrists of those gains and biases read.
+
+    Args:
+        wrists: record of `WristsConfig`.
+        hand_angle: of both hands in the world [rad], shape (2,).
+        known: the readings; changed.
+
+    """
+    for arm in range(2):
+        wrist = wrists.left if arm == 0 else wrists.right
+        bias_x, bias_y = rotated(hand_angle[arm], wrist.bias_x, wrist.bias_y)
+        known.hand_wrench[arm, 0] = wrist.gain * known.hand_wrench[arm, 0] + bias_x
+        known.hand_wrench[arm, 1] = wrist.gain * known.hand_wrench[arm, 1] + bias_y
+        known.hand_wrench[arm, 2] = wrist.gain * known.hand_wrench[arm, 2] + wrist.bias_torque
+
+
+@compiled
 def is_missed(dropouts: float, seed: int, tick: int, body: int) -> bool:
     """Whether a body, 0 the base and 1 the target, is missing in that tick's picture."""
     return uniform(seed, tick, _MISSED + body) <= dropouts

@@ -21,7 +21,7 @@ from sim.model.robot import RobotModel
 from sim.model.shape import Shape
 from sim.perception.cameras import CAMERAS, film
 from sim.perception.contact import is_touching, touching_tip
-from sim.perception.imperfections import add_imperfections, is_imperfect
+from sim.perception.imperfections import add_imperfections, is_imperfect, is_miscalibrated, miscalibrate
 from sim.perception.motion import (
     MOTION,
     assume,
@@ -82,7 +82,11 @@ def is_perfect(perception: Record) -> bool:
     """Whether what is known is the truth; `perception` is a record of `PerceptionConfig`."""
     if perception.source == _MOTION_CAPTURE or perception.estimator == _MODEL_BASED:
         return False
-    return not is_noisy(perception.noise) and not is_imperfect(perception.imperfections)
+    return (
+        not is_noisy(perception.noise)
+        and not is_imperfect(perception.imperfections)
+        and not is_miscalibrated(perception.wrist)
+    )
 
 
 @compiled_inline
@@ -120,6 +124,8 @@ def _sense(known: Record, parameters: Record, robot: RobotModel, target: Shape) 
     hand_angle = np.empty(2)
     for arm in range(2):  # before any noise: a bias turns with the hand as it is
         hand_angle[arm] = known.base_pose[2] + known.joint_angle[arm].sum() + known.mount_angle[arm]
+    if is_miscalibrated(perception.wrist):
+        miscalibrate(perception.wrist, hand_angle, known)
     if is_noisy(perception.noise):
         add_noise(perception.noise, parameters.simulation.seed, known)
     if is_imperfect(perception.imperfections):

@@ -17,7 +17,7 @@ FLOWN = {
     "configuration": "testbed",
     "changes": {"simulation": {"engine": "reduced"}, "judging": {"time_limit": 5.0}},
 }
-NAMES = ["contact.stiffness", "robot.servo.time_constant", "wrist.left.gain"]
+NAMES = ["contact.stiffness", "robot.servo.time_constant", "perception.wrist.left.gain"]
 
 
 async def flown(console) -> str:
@@ -51,7 +51,7 @@ async def test_a_fit_from_its_start_to_a_preset_and_reports(console):
     assert ended["progress"]["done"] == ended["progress"]["total"]
     values = {each["name"]: each for each in ended["result"]["parameters"]}
     assert values["contact.stiffness"]["value"] == pytest.approx(800.0, rel=0.02)
-    assert not values["wrist.left.gain"]["told"]
+    assert not values["perception.wrist.left.gain"]["told"]
     assert ended["result"]["held_out_predictions"][0]["fitted"] == pytest.approx(0.6, abs=0.2)
     page = await console.http.get(f"/fits/{fit_id}/report", params={"format": "html"})
     assert "<svg" in page.text

@@ -9,10 +9,17 @@ import numpy as np
 import pytest
 
 from sim.capture.mission import Mission
-from sim.config import ImperfectionsConfig, MissionConfig
+from sim.config import ImperfectionsConfig, MissionConfig, WristConfig, WristsConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command
-from sim.perception.imperfections import add_imperfections, is_imperfect, is_missed, misplacement
+from sim.perception.imperfections import (
+    add_imperfections,
+    is_imperfect,
+    is_miscalibrated,
+    is_missed,
+    miscalibrate,
+    misplacement,
+)
 from sim.perception.perceived import PERCEIVED
 from sim.record import Record, record_of
 
@@ -110,3 +117,25 @@ def test_outliers_are_left_out_by_the_filter():
         rows = flown({**pictures, "perception.imperfections.outliers": part}, ticks=800)
         errors.append(np.abs(rows["target_perceived_pose"][:, :2] - rows["target_pose"][:, :2]).max())
     assert errors[1] < 2.0 * errors[0] + 1e-3
+
+
+def test_a_wrist_reads_by_its_gain_and_bias_which_turns_with_the_hand():
+    wrists = record_of(WristsConfig(right=WristConfig(gain=1.2, bias_x=0.3, bias_torque=-0.01)))
+    assert is_miscalibrated(wrists)
+    assert not is_miscalibrated(record_of(WristsConfig()))
+    known = np.zeros(1, PERCEIVED)[0]
+    known["hand_wrench"] = [[1.0, 2.0, 0.1], [1.0, 2.0, 0.1]]
+    miscalibrate(wrists, np.array([0.0, math.pi / 2]), known)
+    assert known["hand_wrench"][0].tolist() == [1.0, 2.0, 0.1]
+    assert known["hand_wrench"][1] == pytest.approx([1.2, 2.4 + 0.3, 0.12 - 0.01])
+
+
+def test_a_capture_feels_with_such_wrists():
+    usual: dict[str, object] = {}
+    strange: dict[str, object] = {"perception.wrist.right.gain": 1.5}
+    felt = [flown(changes, 4000)["perceived_hand_wrench"][:, 1] for changes in (usual, strange)]
+    true = flown(strange, 4000)["hand_wrench"][:, 1]
+    touching = np.abs(felt[1]).max(axis=1) > 0.0
+    assert touching.any()
+    assert felt[1][touching] == pytest.approx(1.5 * true[touching])
+    assert felt[0].max() != pytest.approx(felt[1].max(), rel=0.05)
