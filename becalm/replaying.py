@@ -18,7 +18,7 @@ from sim.errors import CaptureError, MissionRefused
 
 
 def replay(reader: RunReader) -> dict[str, Any]:
-    """What `becalm replay --json` prints.
+    """What `becalm replay --json` prints; `rerun` is null of a robot's run, which cannot be flown again.
 
     Raises:
         MissionRefused: the run holds no ticks.
@@ -38,13 +38,13 @@ def replay(reader: RunReader) -> dict[str, Any]:
         "versions": reader.record.versions,
         "notices": [*reader.record.notices, *reader.log_notices],
         "controller": _compared(reader, controlled(history, reader.chunks())),
-        "rerun": _compared(reader, rerun(history, end)),
+        "rerun": None if history.robot else _compared(reader, rerun(history, end)),
     }
 
 
 def same(report: dict[str, Any]) -> bool:
-    """Whether nothing differs."""
-    return bool(report["controller"]["same"] and report["rerun"]["same"])
+    """Whether nothing differs; a robot's run is compared by its controller only."""
+    return all(report[name]["same"] for name in ("controller", "rerun") if report[name] is not None)
 
 
 def as_text(report: dict[str, Any]) -> str:
@@ -61,7 +61,9 @@ def _last(reader: RunReader) -> Any:
     return last[0]
 
 
-def _in_words(result: dict[str, Any]) -> str:
+def _in_words(result: dict[str, Any] | None) -> str:
+    if result is None:
+        return "not possible, a robot was flown"
     if result["same"]:
         return f"the same to the last bit in {result['compared']} ticks"
     if "refused" in result:

@@ -234,7 +234,7 @@ class RunReader:
             yield event.model_dump(mode="json", exclude_none=True)
 
     def history(self) -> FlightHistory:
-        """What the run's ticks follow from, for a simulated plant.
+        """What the run's ticks follow from; a robot's follow from more.
 
         Parameters that were edited before the first command are in the record's configuration already; none of them
         acts on a mission that idles.
@@ -245,7 +245,8 @@ class RunReader:
         """
         events = read_events(self._folder, strict=True)
         done = tuple(event.intervention for event in events if event.intervention is not None)
-        return FlightHistory(config=self.record.config, interventions=done, beginning=self.beginning())
+        record = self.record
+        return FlightHistory(config=record.config, interventions=done, beginning=self.beginning(), robot=record.robot)
 
     def beginning(self) -> Beginning | None:
         """Where the run began, if that was on the way; None of one that began as it was configured.

@@ -35,6 +35,7 @@ class RunRecord(FrozenMessage):
     configuration: str = Field(description="Name of the configuration, with `(edited)` if it was changed")
     config: MissionConfig = Field(description="In force at the first command that moved the robot")
     direct: bool = False
+    robot: bool = Field(False, description="Whether a robot was flown over the link: its ticks hold what it perceived")
     started: str = Field(description="ISO 8601, UTC")
     duration: float = Field(0.0, description="Mission time of the last recorded tick [s]")
     outcome: Outcome | None = None

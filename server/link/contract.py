@@ -7,7 +7,7 @@ robot that has these topics needs no code of ours. Only this module and `server.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 VERSION = "2"
 """Of the contract; both ends say theirs, and the console flies no robot of another one."""
@@ -25,6 +25,8 @@ PREFIX = "becalm"
 WORLD = "world"
 ARMS = ("left", "right")
 JOINT_NAMES = tuple(f"{arm}_joint_{number}" for arm in ARMS for number in (1, 2, 3))
+Body = Literal["base", "target"]
+BODIES: tuple[Body, ...] = ("base", "target")
 HAND_FRAMES = tuple(f"{arm}_hand" for arm in ARMS)
 
 CONTROL_RATE = 200.0

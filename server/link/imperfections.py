@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.link.contract import ARMS, HAND_FRAMES, WORLD
+from server.link.contract import ARMS, BODIES, HAND_FRAMES, WORLD, Body
 from server.link.wire import JointSample, PlaneSample
 from sim.compiled import FloatArray
 from sim.config import ImperfectionsConfig, NoiseConfig
@@ -49,8 +49,6 @@ class Imperfections(BaseModel):
     tilt_y: float = _number(-2e-6, "Tilt of the table along y [rad]", ge=-0.1, le=0.1)
 
 
-Body = Literal["base", "target"]
-BODIES: tuple[Body, ...] = ("base", "target")
 _READ = ("base_pose", "base_twist", "target_pose", "target_twist", "joint_angle", "hand_wrench")
 """The fields of the true state that sensors measure."""
 

@@ -335,8 +335,8 @@ class Reception:
 
     def _jump(self) -> Trouble | None:
         deadline = self._deadline() * 1e9
-        for body, estimate in (("base", self.perception.base), ("target", self.perception.target)):
-            since = estimate.outlying_since
+        for body in contract.BODIES:
+            since = self.perception.outlying_since(body)
             if since is not None:
                 latest = self.streams[f"{contract.PREFIX}/{body}/pose"].latest
                 if latest - since > deadline:

@@ -33,6 +33,7 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.errors import Cause, LinkLost, MissionRefused
+from sim.perception.perceived import PERCEIVED
 from sim.plant.engine import simulated_plant
 from sim.plant.scripted_plant import ScriptedPlant
 from sim.record import Record
@@ -114,15 +115,15 @@ class RobotLink:
         plant = simulated_plant(config)
         state = plant.state
         joints = JointSample(0, state["joint_angle"], state["joint_rate"])
-        perception = Perception(config)
+        perception, perceived = Perception(config), np.zeros(1, PERCEIVED)
         for stamp in (0, 1):
             perception.take_wrench(0, PlaneSample(stamp, HAND_FRAMES[0], np.zeros(3)))
             perception.take_base(PlaneSample(stamp, WORLD, state["base_pose"].copy()))
             perception.take_target(PlaneSample(stamp, WORLD, state["target_pose"].copy()))
             perception.take_joints(joints)
-        perception.write_state(joints, plant.state)
+        perception.write_state(plant.state, perceived[0])
         mission = Mission(config, ScriptedPlant(np.array([plant.state, plant.state])))
-        mission.request(Command.DIRECT_CAGE)
+        mission.request(Command.CAPTURE)
         mission.advance(2)
         mission.cage()
 
@@ -239,10 +240,29 @@ class RobotLink:
         with self._change:
             return self.reception.perception.complete
 
-    def write_state(self, joints: JointSample, state: Record) -> None:
-        """What is perceived at that joint state, into one element of `PLANT_STATE`."""
+    def count_from_now(self) -> int:
+        """Tell times of what is perceived from the newest joint state on; its stamp, by the robot's clock [ns]."""
         with self._change:
-            self.reception.perception.write_state(joints, state)
+            joints = self._newest_joints()
+            self.reception.perception.count_from(joints.stamp)
+            return joints.stamp
+
+    def write_state(self, state: Record, perceived: Record) -> JointSample:
+        """What is known at the newest joint state, which is given back.
+
+        Args:
+            state: one element of `PLANT_STATE`; all but `tick` and `time` are set.
+            perceived: one element of `PERCEIVED`; all but `tick` is set.
+
+        """
+        with self._change:
+            self.reception.perception.write_state(state, perceived)
+            return self._newest_joints()
+
+    def _newest_joints(self) -> JointSample:
+        joints = self.reception.joints
+        assert joints is not None, "a plant is made of what was heard"
+        return joints
 
     def trouble(self) -> Trouble | None:
         """Why what arrives cannot be flown with now; None if it can."""

@@ -21,8 +21,9 @@ from server.link.robot_link import SETTLING_TIME, RobotLink
 from server.link.trouble import Trouble
 from server.link.wire import JointSample
 from sim.compiled import FloatArray
-from sim.config import MissionConfig, differences
+from sim.config import MissionConfig
 from sim.errors import Cause, ConfigError, LinkLost, MissionRefused
+from sim.perception.perceived import PERCEIVED
 from sim.plant.plant import PLANT_STATE
 from sim.record import Record
 
@@ -37,17 +38,11 @@ BEGIN_TIME = 10.0
 LAG_TIME = 0.6
 """How long falling behind is remembered [s]."""
 
-_OF_SIMULATED_SENSORS = (
-    "perception.source",
-    "perception.estimator",
-    "perception.noise.",
-    "perception.imperfections.",
-)
-"""What begins so is for the simulation: a robot's link has filters of its own."""
-
 
 def require_robot_config(config: MissionConfig) -> None:
-    """Refuse what no robot can be flown with: another control period than the link's, or simulated sensors.
+    """Refuse what no robot can be flown with: another control period than the link's.
+
+    Its sensors are its own: what a configuration says of simulated ones is for rehearsals of its missions.
 
     Raises:
         ConfigError: the message names parameter, value and what would be right.
@@ -59,12 +54,6 @@ def require_robot_config(config: MissionConfig) -> None:
             f"control.period = {config.control.period:g} s: the robot's joint states come every {period:g} s",
             tip=f"the configuration testbed has it, or set control.period={period:g}",
         )
-    for path, (usual, given) in differences(MissionConfig(), config).items():
-        if path.startswith(_OF_SIMULATED_SENSORS):
-            raise ConfigError(
-                f"{path} = {given}: a robot has sensors of its own, and what they give is perceived already",
-                tip=f"set {path}={usual}: it is for the simulation",
-            )
 
 
 class ZenohPlant:
@@ -85,6 +74,7 @@ class ZenohPlant:
         self._link = link
         self._state: Record = np.zeros(1, PLANT_STATE)[0]
         self._state["tick"] = -1
+        self._perceived: Record = np.zeros(1, PERCEIVED)[0]
         self._lag = np.zeros((2, 3))
         self._recent_rates: deque[FloatArray] = deque(maxlen=RATES_UNDER_WAY)
         self._stopped = False
@@ -92,11 +82,11 @@ class ZenohPlant:
         self._first: int | None = None
         self._last = 0
         self._angle = np.zeros((2, 3))
-        joints = self._hold_still(self._is_seen, "it granted a session")
+        self._hold_still(self._is_seen, "it granted a session")
         if self._tare_if_needed():
             link.reset_perception()
-            joints = self._hold_still(lambda: link.perceives, "its wrists were tared")
-        link.write_state(joints, self._state)
+            self._hold_still(lambda: link.perceives, "its wrists were tared")
+        link.write_state(self._state, self._perceived)
         self._lost: LinkLost | None = None
         self._begun = threading.Event()
         self._holder = threading.Thread(target=self._hold_until_begun, name="becalm-holder", daemon=True)
@@ -116,6 +106,11 @@ class ZenohPlant:
         return self._state
 
     @property
+    def perceived(self) -> Record:
+        """What the controller gets of it."""
+        return self._perceived
+
+    @property
     def next_tick(self) -> int:
         """The tick after the last one, which has been observed and answered already."""
         return int(self._state["tick"]) + 1
@@ -131,18 +126,18 @@ class ZenohPlant:
         if not self._begun.is_set():
             self._begun.set()
             self._holder.join()
-        joints = link.await_joints(self._last, link.settings.deadline)
-        if joints is None:
+        if link.await_joints(self._last, link.settings.deadline) is None:
             self._give_up(self._silence())
+        if self._first is None:
+            self._first = link.count_from_now()
+        joints = link.write_state(self._state, self._perceived)
         trouble = self._trouble(joints)
         if trouble is not None:
             self._give_up(trouble)
-        if self._first is None:
-            self._first = joints.stamp
         self._state["tick"] += 1
         self._state["time"] = 1e-9 * (joints.stamp - self._first)
+        self._perceived["tick"], self._perceived["time"] = self._state["tick"], self._state["time"]
         self._last, self._angle = joints.stamp, joints.angle
-        link.write_state(joints, self._state)
 
     def apply_joint_rates(self, joint_rate: FloatArray) -> None:
         """Send joint rates [rad/s], shape (2, 3), that answer the state last observed."""

@@ -99,7 +99,7 @@ class LiveMission:
         self._interventions = [] if fork is None else list(fork.history.interventions)
         self.configuration = configuration
         self.problems = ProblemBoard()
-        self.run = LiveRun(recorder, self._name, config, fork)
+        self.run = LiveRun(recorder, self._name, config, fork, robot=robot is not None)
 
     @property
     def name(self) -> str:
@@ -114,7 +114,9 @@ class LiveMission:
     @property
     def history(self) -> FlightHistory:
         """All that the mission's ticks until now follow from."""
-        return FlightHistory(config=self._initial, interventions=tuple(self._interventions))
+        return FlightHistory(
+            config=self._initial, interventions=tuple(self._interventions), robot=self._robot is not None
+        )
 
     @property
     def phase(self) -> Phase:

@@ -29,10 +29,18 @@ CUT_OFF_NOTE = "cut off: the service ended"
 class LiveRun:
     """The run of one live mission. Used by the mission thread only."""
 
-    def __init__(self, recorder: Recorder, configuration: str, config: MissionConfig, fork: Fork | None = None) -> None:
-        """Of a mission that begins, or of a fork, which is recorded at once."""
+    def __init__(
+        self,
+        recorder: Recorder,
+        configuration: str,
+        config: MissionConfig,
+        fork: Fork | None = None,
+        *,
+        robot: bool = False,
+    ) -> None:
+        """Of a mission that begins, of a robot's too, or of a fork, which is recorded at once."""
         if fork is None:
-            record = new_record("live", configuration, config)
+            record = new_record("live", configuration, config, robot=robot)
         else:
             marks = {"status": "running", "parent": fork.parent.run_id, "forked_at": fork.tick}
             record = new_record("fork", configuration, fork.history.config, **marks)

@@ -123,6 +123,7 @@ class Mission:
         self._memory: Record = self._flight[0]["memory"]
         self._monitor: Record = self._flight[0]["monitor"]
         self._known: Record = self._flight[0]["known"]
+        self._flight["perceived_elsewhere"] = self._plant.perceived is not None
         self.method = method_of(config)
         self._own = np.zeros(1, self.method.memory)
         self._adopt(config)
@@ -283,6 +284,10 @@ class Mission:
             enter_phase(self._memory, int(Phase.FAULTED), AT_REST, int(Sequence.NONE))
             self._events.append(fault_event(self._fault, self.time, self.config.control.period))
 
+    def perceive_as_recorded(self) -> None:
+        """Know from here on what the recorded ticks that it follows say was known; such a mission never flies."""
+        self._flight["perceived_elsewhere"] = True
+
     def recall(self, row: Any) -> None:
         """Take a recorded tick, one element of `TICK`, in place of the plant's state; such a mission never flies."""
         recall(row, self._plant.state)
@@ -366,6 +371,7 @@ class Mission:
 
     def _start(self) -> Ticks:
         """The state before the first tick, as one row of `TICK`; nothing is flown."""
+        _take_perceived(self._plant, self._flight)
         rows, known = np.zeros(1, TICK), self._known.copy()
         look(self._flight, self._plant.state, rows[0])
         self._flight["known"] = known  # the first tick perceives this state, and remembers it
@@ -420,6 +426,7 @@ def _flown_paced(plant: Plant, method: MethodHandle, flight: Flight, rows: Ticks
     for place in range(len(rows)):
         try:
             plant.observe()
+            _take_perceived(plant, flight)
             over = control_tick(method, flight, plant.state, rows[place])
             plant.apply_joint_rates(flight[0]["memory"]["commanded_joint_rate"])
         except PlantError as error:
@@ -427,6 +434,12 @@ def _flown_paced(plant: Plant, method: MethodHandle, flight: Flight, rows: Ticks
         if over:
             return place + 1, None
     return len(rows), None
+
+
+def _take_perceived(plant: Plant, flight: Flight) -> None:
+    """What the plant's own sensors say, if it has any."""
+    if plant.perceived is not None:
+        flight["known"][0] = plant.perceived
 
 
 def _diverged(plant: Plant) -> PlantDiverged:

@@ -19,6 +19,7 @@ from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command, Phase
+from sim.errors import MissionRefused
 from sim.snapshot import FrozenMessage
 
 _CHUNK = 500  # ticks at a time, as in a headless run
@@ -33,13 +34,14 @@ class Intervention(FrozenMessage):
 
 
 class FlightHistory(FrozenMessage):
-    """All that a simulated mission depends on: the same history gives the same ticks."""
+    """All that a simulated mission depends on: the same history gives the same ticks. A robot's depend on more."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     config: MissionConfig = Field(description="At tick 0")
     interventions: tuple[Intervention, ...] = Field((), description="In the order in which they were done")
     beginning: Beginning | None = Field(None, description="Where it began; null: as the configuration lays it out")
+    robot: bool = Field(False, description="Whether a robot was flown: its ticks say what its sensors made of it")
 
     def begun(self) -> Mission:
         """The mission before its first tick.
@@ -75,7 +77,7 @@ def flown_to(history: FlightHistory, tick: int, on_ticks: Callable[[Ticks], None
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
-        MissionRefused: the history holds an intervention that is never granted.
+        MissionRefused: a robot was flown, or the history holds an intervention that is never granted.
         PlantDiverged: the plant failed before that tick.
 
     """
@@ -91,7 +93,7 @@ def rerun(history: FlightHistory, end: int) -> Iterator[Ticks]:
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
-        MissionRefused: the history holds an intervention that is never granted.
+        MissionRefused: a robot was flown, or the history holds an intervention that is never granted.
 
     """
     flight = _Rerun(history)
@@ -162,6 +164,8 @@ class Follower:
 
     def __init__(self, history: FlightHistory) -> None:
         self.mission = history.begun()
+        if history.robot:
+            self.mission.perceive_as_recorded()
         self.done = 0
         """How many of the interventions have been applied."""
         self._interventions = history.interventions
@@ -198,6 +202,11 @@ class _Rerun:
     """A mission being flown again through its history."""
 
     def __init__(self, history: FlightHistory) -> None:
+        if history.robot:
+            raise MissionRefused(
+                "a robot was flown: what moved it is not known, so that it cannot be flown again",
+                tip="the current controller can be driven through its recorded ticks, and futures begin in any of them",
+            )
         self.mission = history.begun()
         self._left = list(history.interventions)
 

@@ -30,6 +30,7 @@ FLIGHT = np.dtype(
         ("memory", MEMORY),
         ("monitor", MONITOR),
         ("known", PERCEIVED),
+        ("perceived_elsewhere", np.int64),  # whether a robot's link or a recording says what is known: it is there
         ("shape", SHAPE),  # to work with: of the robot, where no plant has it
         ("links", CHAIN),  # likewise: where they truly are
         ("motion", HAND_MOTION),  # likewise: what the controller computes
@@ -129,7 +130,7 @@ def _tick(method: MethodHandle, flight: Record, state: Record, shape: Record, ro
     watch(monitor, memory, flight.parameters, flight.robot, flight.shapes, state, links)
     over = bool(monitor.verdict != before)
     verdict = monitor.verdict if over else Verdict.NONE
-    if know(belief, flight.parameters, flight.robot, flight.shapes, state, monitor.closed):
+    if _learn(flight, state):
         believed_shape, believed_links = shape, links
     else:
         believed_shape, believed_links = belief.shape, belief.links
@@ -139,6 +140,17 @@ def _tick(method: MethodHandle, flight: Record, state: Record, shape: Record, ro
     note_decision(monitor, memory, state)
     write_tick(row, memory, monitor, state, links, belief)
     return over
+
+
+@compiled_inline
+def _learn(flight: Record, state: Record) -> bool:
+    """`know`, or, where somebody else has perceived, what follows from that."""
+    belief = flight.known
+    if flight.perceived_elsewhere != 0:
+        set_chain(belief.base_pose, shape_of_state(flight.robot, belief, belief.shape), belief.links)
+        belief.closed = tips_enclose(flight.robot, flight.shapes.target, belief.links.hand_pose, belief.target_pose)
+        return False
+    return know(belief, flight.parameters, flight.robot, flight.shapes, state, flight.monitor.closed)
 
 
 @compiled_inline
@@ -164,6 +176,8 @@ def follow(method: MethodHandle, flight: Flight, state: Record, recorded: Ticks,
     """
     for place in range(recorded.shape[0]):
         recall(recorded[place], state)
+        if flight[0].perceived_elsewhere != 0:
+            recall_perceived(recorded[place], flight[0].known)
         if control_tick(method, flight, state, rows[place]):
             return place + 1
     return len(recorded)
@@ -175,7 +189,7 @@ def look(flight: Flight, state: Record, row: Record) -> None:
     own = flight[0]
     set_chain(state.base_pose, shape_of_state(own.robot, state, own.shape), own.links)
     watch(own.monitor, own.memory, own.parameters, own.robot, own.shapes, state, own.links)
-    know(own.known, own.parameters, own.robot, own.shapes, state, own.monitor.closed)
+    _learn(own, state)
     write_tick(row, own.memory, own.monitor, state, own.links, own.known)
 
 
@@ -193,6 +207,27 @@ def recall(row: Record, state: Record) -> None:
             state.tip_contact[arm, tip] = row.tip_contact[arm, tip]
     state.base_contact, state.arm_contact = row.base_contact, row.solid_contact
     state.momentum[:] = row.momentum
+
+
+@compiled
+def recall_perceived(row: Record, known: Record) -> None:
+    """What a robot's link perceived, one element of `PERCEIVED`, from the tick that it was recorded in.
+
+    But for what nobody records: the filters' own memory, and when the target was last seen, which is taken to be then.
+    """
+    known.tick, known.time, known.target_seen_at = row.tick, row.time, row.time
+    known.base_pose[:], known.base_twist[:] = row.base_perceived_pose, row.base_perceived_twist
+    known.target_pose[:], known.target_twist[:] = row.target_perceived_pose, row.target_perceived_twist
+    known.joint_angle[:], known.joint_rate[:] = row.joint_angle, row.joint_rate
+    known.mount_angle[:], known.mount_rate[:] = row.mount_angle, row.mount_rate
+    known.hand_wrench[:] = row.perceived_hand_wrench
+    known.target_twist_deviation[:] = row.target_perceived_twist_deviation
+    known.target_inertia = row.target_perceived_inertia
+    known.target_inertia_deviation = row.target_perceived_inertia_deviation
+    for arm in range(2):
+        known.touching[arm] = row.perceived_contact[arm]
+        for tip in range(2):
+            known.tip_contact[arm, tip] = row.tip_contact[arm, tip]
 
 
 @compiled_inline

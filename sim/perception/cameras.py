@@ -11,9 +11,8 @@ import math
 import numpy as np
 
 from sim.compiled import compiled
-from sim.perception.estimators import push_expected, set_way, take_picture
 from sim.perception.imperfections import is_missed, misplacement
-from sim.perception.motion import expect_push, stamp_of
+from sim.perception.motion import see_base, see_target, stamp_of
 from sim.record import Record
 
 _UNDER_WAY = 64
@@ -77,23 +76,11 @@ def _take(cameras: Record, known: Record, parameters: Record, stamp: int, delay:
 @compiled
 def _develop(cameras: Record, motion: Record, perception: Record, tick: int, modelled: bool) -> None:
     """Give the filter the pictures that have arrived until this tick."""
-    nothing, push = motion.nothing, motion.push
     while cameras.first < cameras.after_last and cameras.due[cameras.first % _UNDER_WAY] <= tick:
         place = cameras.first % _UNDER_WAY
         stamp = cameras.stamp[place]
-        touched = 1e-9 * stamp - motion.last_contact < perception.filter.contact_memory
         if cameras.there[place, 0]:
-            push_expected(perception.filter, touched and not modelled, push)
-            set_way(motion.base_drift, stamp)
-            for axis in range(3):
-                motion.pose[axis] = cameras.pose[place, 0, axis] - motion.base_drift.way_until[axis]
-            take_picture(motion.base, perception.filter, stamp, motion.pose, push, nothing)
+            see_base(motion, perception, stamp, cameras.pose[place, 0], modelled)
         if cameras.there[place, 1]:
-            if modelled:
-                expect_push(motion, perception, touched, push)
-            else:
-                push_expected(perception.filter, touched, push)
-            drift, seen = motion.target_drift, cameras.pose[place, 1]
-            set_way(drift, stamp)
-            take_picture(motion.target, perception.filter, stamp, seen, push, drift.way_until)
+            see_target(motion, perception, stamp, cameras.pose[place, 1], modelled)
         cameras.first += 1

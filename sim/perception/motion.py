@@ -17,6 +17,7 @@ from sim.perception.estimators import (
     BODY_ESTIMATE,
     DRIFT,
     ENOUGH,
+    NO_STAMP,
     body_at,
     forget_body,
     forget_drift,
@@ -68,6 +69,24 @@ MOTION = np.dtype(
 def stamp_of(time: float) -> int:
     """An instant [s] in whole nanoseconds."""
     return round(1e9 * time)
+
+
+def count_from(motion: Record, origin: int) -> None:
+    """Count all instants from that one on [ns]: what is remembered of readings goes on in another clock.
+
+    Args:
+        motion: one element of `MOTION`; changed.
+        origin: of the new clock, by the old one.
+
+    """
+    for name in ("last_contact", "last_tick"):
+        motion[name] -= 1e-9 * origin
+    for body in ("base", "target"):
+        estimate = motion[body]
+        estimate["stamp"] -= origin
+        if estimate["outlying_since"] != NO_STAMP:
+            estimate["outlying_since"] -= origin
+        motion[f"{body}_drift"]["stamp"] -= origin
 
 
 @compiled
@@ -146,6 +165,50 @@ def take_readings(motion: Record, perception: Record, known: Record, touched: bo
     set_way(motion.target_drift, stamp)
     take_picture(motion.target, perception.filter, stamp, known.target_pose, push, motion.target_drift.way_until)
     take_twist(motion.target, perception.filter, known.target_twist, motion.target_drift.twist)
+
+
+@compiled
+def see_base(
+    motion: Record, perception: Record, stamp: int, pose: FloatArray, modelled: bool
+) -> tuple[bool, float, float]:
+    """Take a pose that the base was seen at, unless it is an outlier.
+
+    Args:
+        motion: one element of `MOTION`; changed.
+        perception: record of `PerceptionConfig`.
+        stamp: of the picture [ns].
+        pose: shape (3,) [m, m, rad].
+        modelled: whether felt forces are fed forward.
+
+    Returns:
+        Whether it is an outlier, and how far from where the base can be [m, rad].
+
+    """
+    push_expected(perception.filter, _touched_at(motion, perception, stamp) and not modelled, motion.push)
+    set_way(motion.base_drift, stamp)
+    for axis in range(3):
+        motion.pose[axis] = pose[axis] - motion.base_drift.way_until[axis]
+    return take_picture(motion.base, perception.filter, stamp, motion.pose, motion.push, motion.nothing)
+
+
+@compiled
+def see_target(
+    motion: Record, perception: Record, stamp: int, pose: FloatArray, modelled: bool
+) -> tuple[bool, float, float]:
+    """Take a pose that the target was seen at, unless it is an outlier; as `see_base`."""
+    touched = _touched_at(motion, perception, stamp)
+    if modelled:
+        expect_push(motion, perception, touched, motion.push)
+    else:
+        push_expected(perception.filter, touched, motion.push)
+    set_way(motion.target_drift, stamp)
+    return take_picture(motion.target, perception.filter, stamp, pose, motion.push, motion.target_drift.way_until)
+
+
+@compiled
+def _touched_at(motion: Record, perception: Record, stamp: int) -> bool:
+    """Whether a contact may show in a picture of that instant [ns]."""
+    return bool(1e-9 * stamp - motion.last_contact < perception.filter.contact_memory)
 
 
 @compiled

@@ -5,6 +5,8 @@ its sensor gets wrong; contact is what the
 wrists tell, and a hand that does not touch feels nothing, so that none yields to noise. Where motion capture is the
 source, the motion of base and target is what the filter makes of late pictures, as on the robot. With the model-based
 estimator the filter takes every reading, late or not, knows what the hands feel, and learns the target's inertia.
+
+What a robot's sensors read is perceived by the same code (`perceive_readings`), as its readings come.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ import numpy as np
 
 from sim.compiled import FloatArray, compiled, compiled_inline
 from sim.config import Estimator, Source
+from sim.model.planar import rotated
 from sim.model.reduced_model import CHAIN, SHAPE, set_chain, shape_of_state
 from sim.model.robot import RobotModel
 from sim.model.shape import Shape
@@ -28,6 +31,8 @@ from sim.perception.motion import (
     begin_estimating,
     feel,
     predict,
+    see_base,
+    see_target,
     stamp_of,
     take_readings,
     tell,
@@ -134,7 +139,81 @@ def _sense(known: Record, parameters: Record, robot: RobotModel, target: Shape) 
     if modelled or filmed:
         _estimate(known, parameters, shape, modelled, filmed)
     set_chain(known.base_pose, shape, known.links)
-    if modelled:
+    _feel_both(known, parameters, robot, target)
+
+
+@compiled
+def begin_perceiving(known: Record, parameters: Record) -> None:
+    """Know nothing yet of what sensors elsewhere read: one element of `PERCEIVED`, for `perceive_readings`.
+
+    Args:
+        known: all zero; changed.
+        parameters: record of `MissionConfig`.
+
+    """
+    begin_estimating(known.motion, known.joint_angle, known.time)
+    if parameters.perception.estimator == _MODEL_BASED:
+        assume(known.motion.target, parameters.perception)
+
+
+@compiled
+def see(known: Record, parameters: Record, stamp: int, pose: FloatArray, target: bool) -> tuple[bool, float, float]:
+    """Take a pose that a body was seen at by cameras elsewhere, the target or the base, unless it is an outlier.
+
+    Args:
+        known: one element of `PERCEIVED` that has begun; changed.
+        parameters: record of `MissionConfig`.
+        stamp: of the picture [ns], by the clock of `known`.
+        pose: shape (3,) [m, m, rad].
+        target: whose pose it is.
+
+    Returns:
+        Whether it is an outlier, and how far from where the body can be [m, rad].
+
+    """
+    modelled = parameters.perception.estimator == _MODEL_BASED
+    if target:
+        return see_target(known.motion, parameters.perception, stamp, pose, modelled)
+    return see_base(known.motion, parameters.perception, stamp, pose, modelled)
+
+
+@compiled
+def perceive_readings(
+    known: Record, parameters: Record, robot: RobotModel, target: Shape, wrench_in_hand: FloatArray
+) -> None:
+    """What is known by a joint state and the wrists' readings of sensors elsewhere: `perceive` for those of a robot.
+
+    Its hands are rigid. Poses of base and target are those that `see` was given until now.
+
+    Args:
+        known: one element of `PERCEIVED` that has begun: its time, joint angles and rates are the readings; changed.
+        parameters: record of `MissionConfig`.
+        robot: the robot's model.
+        target: its shape.
+        wrench_in_hand: of each wrist about the hand's centre, in its hand's axes, shape (2, 3) [N, N, N m].
+
+    """
+    motion = known.motion
+    if known.touching[0] != 0 or known.touching[1] != 0:
+        motion.last_contact = known.time
+    motion.joint_angle[:] = known.joint_angle
+    shape = shape_of_state(robot, known, known.shape)
+    predict(motion, shape, known)
+    known.target_seen_at = 1e-9 * motion.target.stamp
+    tell(motion, parameters.perception, known)
+    set_chain(known.base_pose, shape, known.links)
+    for arm in range(2):
+        along, across = wrench_in_hand[arm, 0], wrench_in_hand[arm, 1]
+        known.hand_wrench[arm, 0], known.hand_wrench[arm, 1] = rotated(known.links.hand_pose[arm, 2], along, across)
+        known.hand_wrench[arm, 2] = wrench_in_hand[arm, 2]
+    _feel_both(known, parameters, robot, target)
+
+
+@compiled
+def _feel_both(known: Record, parameters: Record, robot: RobotModel, target: Shape) -> None:
+    """Contact of both hands from their wrenches, and what is believed of the target's inertia."""
+    perception = parameters.perception
+    if perception.estimator == _MODEL_BASED:
         _feel_smoothly(known, parameters, robot, target)
         return
     _assume_inertia(known, perception)

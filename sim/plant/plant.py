@@ -69,6 +69,11 @@ class Plant(Protocol):
         ...
 
     @property
+    def perceived(self) -> Record | None:
+        """What the plant's own sensors make of that state, one element of `PERCEIVED`; None: they are simulated."""
+        ...
+
+    @property
     def next_tick(self) -> int:
         """The tick that is decided next: what is granted now takes effect at it."""
         ...

@@ -103,6 +103,8 @@ class PymunkHandle(NamedTuple):
 class PymunkPlant:
     """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
 
+    perceived = None
+
     def __init__(self, config: MissionConfig) -> None:
         """Robot and target as configured."""
         self.parameters: Record = record_of(config)

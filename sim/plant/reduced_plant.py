@@ -142,6 +142,8 @@ class ReducedHandle(NamedTuple):
 class ReducedPlant:
     """The simulated robot and target in reduced coordinates. Owned by one thread."""
 
+    perceived = None
+
     def __init__(self, config: MissionConfig) -> None:
         """Robot and target as configured."""
         self.parameters: Record = record_of(config)

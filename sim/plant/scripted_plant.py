@@ -19,6 +19,7 @@ class ScriptedPlant:
     """A plant whose states are those of its script, tick by tick, whatever joint rates are commanded."""
 
     handle = None
+    perceived = None
 
     def __init__(self, states: np.ndarray[Any, np.dtype[Any]]) -> None:
         """Start before the first of the states, a non-empty array of `PLANT_STATE`.
