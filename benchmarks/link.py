@@ -3,6 +3,7 @@
     python -m benchmarks.link                        20 seeds with the testbed's defaults
     python -m benchmarks.link --seeds 3 --idle 600   and ten minutes of watching for lost states
     python -m benchmarks.link --realtime             on a machine that does much beside it
+    python -m benchmarks.link --configuration testbed_becalm --seeds 50      our own method; in lots: --first 10 ...
     python -m benchmarks.link --set published.impedance.damping=1.5 --set published.impedance.stiffness=10
 
 The robot is restarted with each seed, so the target spins as at the start; an operator's reset takes it again.
@@ -18,6 +19,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -72,11 +74,36 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+class Stalls:
+    """The longest time [s] that a thread, real time if that may be, waited for the machine beyond what it asked for.
+
+    A machine that lets it wait for a deadline lets both ends, too: they hold, as they should.
+    """
+
+    def __init__(self, *, realtime: bool) -> None:
+        self._realtime = realtime
+        self._longest = 0.0
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def take(self) -> float:
+        """The longest since the last call."""
+        longest, self._longest = self._longest, 0.0
+        return longest
+
+    def _watch(self) -> None:
+        if self._realtime and sys.platform == "linux":
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(3))
+        while True:
+            began = time.monotonic()
+            time.sleep(0.002)
+            self._longest = max(self._longest, time.monotonic() - began - 0.002)
+
+
 class Pair:
     """Console and robot."""
 
-    def __init__(self, console: httpx.Client, robot: httpx.Client) -> None:
-        self.console, self.robot = console, robot
+    def __init__(self, console: httpx.Client, robot: httpx.Client, stalls: Stalls) -> None:
+        self.console, self.robot, self._stalls = console, robot, stalls
 
     def command(self, **body: Any) -> dict[str, Any]:
         """Ask the mission; try again while it is refused, for the robot may not be back yet."""
@@ -102,8 +129,9 @@ class Pair:
         self.robot.post("/restart", json={"pause": 0.2, "seed": seed}).raise_for_status()
         until(lambda: self.mission()["phase"] == "faulted", 5.0, "the console notices the restart")
         self.begin()
+        self._stalls.take()
         ended = until(self._ended, CAPTURE_TIME, "the capture ends")
-        link = self.link()
+        link, stalled = self.link(), self._stalls.take()
         outcome = ended["outcome"] or {}
         return {
             "seed": seed,
@@ -111,9 +139,12 @@ class Pair:
             "outcome": outcome.get("outcome"),
             "caged": bool(outcome.get("caged")),
             "peak": outcome.get("peak_tip_force"),
+            "true_peak": self.robot.get("/status").json()["peak_force"],
             "peak_to_closure": outcome.get("peak_tip_force_to_closure"),
             "duration": outcome.get("duration"),
             "final_spin": outcome.get("final_target_spin"),
+            "machine_stood_still": round(stalled, 4),
+            "activity": None if outcome.get("caged") else ended["description"],
             "round_trip_p99": (link["round_trip"] or {}).get("p99"),
             "command_age_p50": (link["command_age"] or {}).get("p50"),
             "command_age_p99": (link["command_age"] or {}).get("p99"),
@@ -142,20 +173,23 @@ class Pair:
 
 
 @contextlib.contextmanager
-def pair(settings: list[str], imperfect: list[str], ends: list[str]) -> Iterator[Pair]:
-    """Console and robot, connected and ready."""
+def pair(configuration: str, settings: list[str], imperfect: list[str], ends: list[str]) -> Iterator[Pair]:
+    """Console and robot of that configuration, connected and ready."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     changes = [word for setting in settings for word in ("--set", setting)]
     imperfections = [word for setting in imperfect for word in ("--imperfection", setting)]
-    serve = ("serve", "--no-open", "--port", "0", "--plant", "zenoh")
+    serve = ("serve", "--no-open", "--port", "0", "--plant", "zenoh", "--configuration", configuration)
     with (
         tempfile.TemporaryDirectory() as data,
-        process("robot", "--listen", endpoint, *imperfections, *ends, data=Path(data)) as robot,
+        process(
+            "robot", "--listen", endpoint, "--configuration", configuration, *imperfections, *ends, data=Path(data)
+        ) as robot,
         process(*serve, "--connect", endpoint, *changes, *ends, data=Path(data)) as console,
     ):
         both = Pair(
             httpx.Client(base_url=f"http://127.0.0.1:{port_of(console)}", timeout=10),
             httpx.Client(base_url=f"http://127.0.0.1:{port_of(robot)}", timeout=10),
+            Stalls(realtime="--realtime" in ends),
         )
         until(lambda: both.console.get("/api/v1/mission").status_code == 200, START_TIME, "the mission begins")
         yield both
@@ -195,21 +229,24 @@ def watch(both: Pair, duration: float) -> dict[str, Any]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
+    parser.add_argument("--configuration", default="testbed", help="that console and robot have")
     parser.add_argument("--idle", type=float, default=0.0, help="watch an idle mission for so many seconds first")
     parser.add_argument("--realtime", action="store_true", help="both processes; takes the right to it")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--imperfection", action="append", default=[], metavar="NAME=VALUE")
     chosen = parser.parse_args()
-    with pair(chosen.settings, chosen.imperfection, ["--realtime"] if chosen.realtime else []) as both:
+    ends = ["--realtime"] if chosen.realtime else []
+    with pair(chosen.configuration, chosen.settings, chosen.imperfection, ends) as both:
         if chosen.idle:
             print(json.dumps(watch(both, chosen.idle)), flush=True)
         flown = []
-        for seed in range(chosen.seeds):
+        for seed in range(chosen.first, chosen.first + chosen.seeds):
             flown.append(both.capture(seed))
             print(json.dumps(flown[-1]), flush=True)
     caged = [each for each in flown if each["caged"]]
     print(f"{len(caged)} of {len(flown)} caged")
-    for name in ("peak", "peak_to_closure", "duration", "final_spin"):
+    for name in ("peak", "true_peak", "peak_to_closure", "duration", "final_spin"):
         values = [abs(each[name]) for each in caged]
         if values:
             print(f"{name}: median {np.median(values):.3g}, from {min(values):.3g} to {max(values):.3g}")

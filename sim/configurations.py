@@ -23,6 +23,7 @@ from sim.config import (
     Estimator,
     FilterConfig,
     HandMount,
+    ImperfectionsConfig,
     LinkConfig,
     MissionConfig,
     NoiseConfig,
@@ -32,6 +33,8 @@ from sim.config import (
     ServoConfig,
     SimulationConfig,
     SingularityHandling,
+    Source,
+    TableConfig,
     TargetConfig,
     TargetShape,
     TrackingConfig,
@@ -126,12 +129,41 @@ def _becalm() -> MissionConfig:
     )
 
 
+def _testbed_becalm() -> MissionConfig:
+    """Our own method on the air-bearing robot, whose simulated sensors and table are as wrong as the emulated ones.
+
+    A robot has sensors of its own: there the simulated ones are those of rehearsals.
+    """
+    testbed = _testbed()
+    noise = NoiseConfig(position=2e-4, angle=1e-3, velocity=5e-3, spin=0.02, force=0.02, torque=1e-3)
+    imperfections = ImperfectionsConfig(
+        force_bias=3e-3, torque_bias=2e-4, encoder_resolution=2.0 * math.pi / 2**19, outliers=1e-3
+    )
+    perception = PerceptionConfig(
+        source=Source.MOTION_CAPTURE,
+        estimator=Estimator.MODEL_BASED,
+        noise=noise,
+        imperfections=imperfections,
+        contact_threshold=0.06,
+    )
+    rates = RateConfig(singularity_handling=SingularityHandling.DAMPED)
+    return testbed.model_copy(
+        update={
+            "method": MethodName("co_moving_couple"),
+            "perception": perception,
+            "table": TableConfig(drag=5e-3, tilt_x=2e-6, tilt_y=-2e-6),
+            "control": testbed.control.model_copy(update={"rates": rates}),
+        }
+    )
+
+
 NAMED_CONFIGURATIONS: Mapping[str, MissionConfig] = {
     "published": MissionConfig(),
     "as_printed": _printed(),
     "published_figures": _figures(),
     "testbed": _testbed(),
     "becalm": _becalm(),
+    "testbed_becalm": _testbed_becalm(),
 }
 DEFAULT_CONFIGURATION = "becalm"
 """With which the console opens, and which one capture flies unless another is named."""

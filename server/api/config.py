@@ -43,6 +43,7 @@ DESCRIPTIONS = {
     "published_figures": "The impedance that fits the paper's figures: five soft touches, m 0.2, d 0.1, k 0.1",
     "testbed": "The air-bearing robot of the experiment: 200 Hz, its PID gains, rigid hands; m 0.1, d 6, k 50",
     "becalm": "Our own method: both hands brake the target as a couple that moves with its faces; noisy sensors",
+    "testbed_becalm": "Our own method on the air-bearing robot: 200 Hz, rigid hands, motion capture 10 ms late",
 }
 
 

@@ -21,16 +21,14 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.link import contract, wire
 from server.link.clock import Clock
 from server.link.contract import JOINT_NAMES, Channel, RobotMode
-from server.link.faults import Faults, Outbox, Sensor
+from server.link.faults import Faults, Outbox
 from server.link.gate import Gate, Limits, Permission
-from server.link.imperfections import Body, Imperfections, Sensors
+from server.link.imperfections import Imperfections
 from server.link.session import LinkSession, Transport
+from server.link.testbed import EmulatedTestbed
 from server.process.realtime import realtime_priority
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
-from sim.configurations import revised
-from sim.model.robot import chain, robot_model
-from sim.plant.engine import simulated_plant
 
 WAITING = 32
 """Messages of one key that wait for the thread, the oldest go first: more than a deadline's, and few enough to be read
@@ -78,6 +76,7 @@ class RobotStatus(BaseModel):
     refused: int = Field(description="Refused since the boot")
     last_refusal: str
     lateness: float = Field(description="Worst of a cycle in the last second [s]")
+    peak_force: float = Field(description="Largest true force of a hand since the boot [N]")
     joint_rate: list[list[float]] = Field(description="True joint rates [rad/s]")
     base_pose: list[float]
     target_pose: list[float]
@@ -160,39 +159,25 @@ class _Robot:
 
     def __init__(self, settings: RobotSettings, clock: Clock, seed: int) -> None:
         config = settings.config
-        some = settings.imperfections
-        config = revised(config, {"table": {"drag": some.drag, "tilt_x": some.tilt_x, "tilt_y": some.tilt_y}})
-        self._plant = simulated_plant(config)
-        self._model = robot_model(config.robot)
+        self._testbed = EmulatedTestbed(config, settings.imperfections, seed)
         self._period = config.control.period
         self._clock = clock
         self._seed = seed
         self._identity = f"{settings.name}.{secrets.token_hex(4)}"
         self._gate = Gate(Limits(config.control.rates.joint_rate_limit, settings.deadline), self._identity)
-        self._sensors = Sensors(some, seed)
-        self._capture_delay = some.motion_capture_delay
-        self._capture_every = max(1, round(1.0 / (contract.MOTION_CAPTURE_RATE * self._period)))
         self._mode_every = max(1, round(1.0 / (contract.MODE_RATE * self._period)))
         self._inboxes: dict[Channel, deque[_Message]] = {channel: deque(maxlen=WAITING) for channel in OBEYED}
         self._applied = np.zeros((2, 3))
         self._hung_until = 0.0
-        self._frozen: dict[str, Any] = {}
         self._shown: tuple[Any, ...] = ()
         self._cycle = 0
         self._late: deque[float] = deque(maxlen=round(1.0 / self._period))
-        self._warm_up(config)
+        _warm_up(settings, seed, self._identity)
         self._session = LinkSession(settings.transport)
         self.outbox = Outbox(self._session.publish, seed)
         for channel in OBEYED:
             take = self._take_heartbeat if channel is contract.HEARTBEAT else self._taker(channel)
             self._session.subscribe(channel, take)
-
-    def _warm_up(self, config: MissionConfig) -> None:
-        """Load all compiled code before the schedule begins."""
-        plant = simulated_plant(config)
-        plant.apply_joint_rates(np.zeros((2, 3)))
-        state = plant.state
-        chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
 
     def run(self, stays: Callable[[], bool]) -> None:
         """Cycle at the control period as long as `stays` says so."""
@@ -219,7 +204,7 @@ class _Robot:
 
     def status(self, boots: int, seed: int) -> RobotStatus:
         """What the emulator knows of itself; for any thread."""
-        gate, state = self._gate, self._plant.state
+        gate, state = self._gate, self._testbed.state
         return RobotStatus(
             robot=self._identity,
             mode=gate.mode,
@@ -232,6 +217,7 @@ class _Robot:
             refused=gate.refused,
             last_refusal=gate.last_refusal,
             lateness=max(self._late, default=0.0),
+            peak_force=self._testbed.peak_force,
             joint_rate=state["joint_rate"].tolist(),
             base_pose=state["base_pose"].tolist(),
             target_pose=state["target_pose"].tolist(),
@@ -261,7 +247,7 @@ class _Robot:
 
     def _move(self, now: int) -> None:
         """One control period of the plant; then the rates for the next one."""
-        self._plant.apply_joint_rates(self._driven(self._applied))
+        self._testbed.move(self._driven(self._applied))
         self._applied = self._gate.rates(now, self._period).copy()
 
     def _driven(self, rates: FloatArray) -> FloatArray:
@@ -319,8 +305,8 @@ class _Robot:
         refusal = self._gate.refuse_tare(call, now)
         if refusal:
             return Permission(False, refusal)
-        self._sensors.tare()
-        return Permission(self._sensors.tared, "" if self._sensors.tared else "no reading yet")
+        self._testbed.tare()
+        return Permission(self._testbed.tared, "" if self._testbed.tared else "no reading yet")
 
     def _acknowledge(self, channel: Channel, call: wire.RobotCall, verdict: Permission) -> None:
         name = channel.key.removeprefix(f"{contract.PREFIX}/")
@@ -329,38 +315,8 @@ class _Robot:
         self.outbox.send(contract.ACKNOWLEDGEMENT, wire.encode_report(report))
 
     def _measure(self, stamp: int) -> None:
-        state, sensors, send = self._plant.state, self._sensors, self.outbox.send
-        links = chain(self._model, state["base_pose"], state["joint_angle"], state["mount_angle"])
-        sensors.sense(state, links.hand_pose[:, 2])
-        for arm, wrench in enumerate(sensors.wrenches(stamp)):
-            seen = self._or_frozen("left_wrist" if arm == 0 else "right_wrist", wrench)
-            send(contract.WRENCHES[arm], wire.encode_wrench(seen._replace(stamp=stamp)))
-        if self._cycle % self._capture_every == 0:
-            self._see_bodies(stamp)
-        # Last: whoever takes a joint state has the wrenches of the same instant already.
-        joints = self._or_frozen("joints", sensors.joints(stamp))
-        send(contract.JOINT_STATES, wire.encode_joints(joints._replace(stamp=stamp, robot=self._identity)))
-
-    def _see_bodies(self, stamp: int) -> None:
-        sensors = self._sensors
-        bodies: tuple[tuple[Body, Channel, Channel], ...] = (
-            ("base", contract.BASE_POSE, contract.BASE_TWIST),
-            ("target", contract.TARGET_POSE, contract.TARGET_TWIST),
-        )
-        for body, pose_channel, twist_channel in bodies:
-            pose, twist = sensors.pose(stamp, body), sensors.twist(stamp, body)
-            if pose is None:
-                continue
-            pose, twist = self._or_frozen(body, (pose, twist))
-            self.outbox.send(pose_channel, wire.encode_pose(pose._replace(stamp=stamp)), self._capture_delay)
-            self.outbox.send(twist_channel, wire.encode_twist(twist._replace(stamp=stamp)), self._capture_delay)
-
-    def _or_frozen(self, sensor: Sensor, reading: Any) -> Any:
-        """The reading, or the last one before this sensor froze."""
-        if self.outbox.faults.sensor_freeze == sensor and sensor in self._frozen:
-            return self._frozen[sensor]
-        self._frozen[sensor] = reading
-        return reading
+        for channel, payload, delay in self._testbed.measure(stamp, self._identity, self.outbox.faults.sensor_freeze):
+            self.outbox.send(channel, payload, delay)
 
     def _tell_mode(self, stamp: int) -> None:
         gate = self._gate
@@ -379,10 +335,18 @@ class _Robot:
             "contract": contract.VERSION,
             "session": gate.session,
             "why": gate.why,
-            "tared": str(self._sensors.tared).lower(),
+            "tared": str(self._testbed.tared).lower(),
             "commands": str(gate.accepted),
             "refused": str(gate.refused),
             "last_refusal": gate.last_refusal,
             "command_age_p50": "" if ages is None else f"{ages[0]:.6f}",
             "command_age_p99": "" if ages is None else f"{ages[1]:.6f}",
         }
+
+
+def _warm_up(settings: RobotSettings, seed: int, identity: str) -> None:
+    """Load all compiled code before the schedule begins."""
+    testbed = EmulatedTestbed(settings.config, settings.imperfections, seed)
+    testbed.move(np.zeros((2, 3)))
+    for _ in testbed.measure(0, identity):
+        pass

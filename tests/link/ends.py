@@ -24,6 +24,7 @@ import pytest
 from server.link.robot_link import RobotLink
 from server.link.zenoh_plant import ZenohPlant
 from sim.capture.mission import Mission
+from sim.config import MissionConfig
 from sim.configurations import named_configuration
 from sim.control.phases import Command
 from sim.errors import LinkLost, MissionRefused
@@ -258,12 +259,12 @@ class Flight:
 
     latest: ClassVar[Flight | None] = None
 
-    def __init__(self, link: RobotLink) -> None:
+    def __init__(self, link: RobotLink, config: MissionConfig = CONFIG) -> None:
         Flight.latest = None
         self._link = link
         self._allow(PATIENT)
-        self.plant = taken(link)
-        self.mission = Mission(CONFIG, self.plant)
+        self.plant = taken(link, config)
+        self.mission = Mission(config, self.plant)
         self.lost = threading.Event()
         self.fault: LinkLost | None = None
         self._end = threading.Event()
@@ -324,12 +325,12 @@ class Flight:
             self.lost.set()
 
 
-def taken(link: RobotLink) -> ZenohPlant:
+def taken(link: RobotLink, config: MissionConfig = CONFIG) -> ZenohPlant:
     """The robot in a new session, as soon as it can be flown."""
 
     def asked() -> ZenohPlant | None:
         with contextlib.suppress(MissionRefused, LinkLost):
-            return ZenohPlant(link, CONFIG)
+            return ZenohPlant(link, config)
         return None
 
     plant = until(asked, "the robot can be flown")
