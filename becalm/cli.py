@@ -183,6 +183,8 @@ Examples:
   becalm reproduce
   becalm reproduce --out reproduction --ablations --json
   becalm reproduce --every 5   a coarse study, within half a minute
+  becalm reproduce --experiment --seeds 20
+                               the paper's experiment, on the emulated robot
 
 \b
 In the folder:
@@ -190,6 +192,7 @@ In the folder:
   figures/                     its figures, PNG and SVG
   tables/                      every cell, agreement, first touches, ablations, CSV
   summary.json                 every number of the report
+  experiment.html, .json       likewise, of --experiment
 
 What was flown is kept in the folder: the same command resumes it.
 """
@@ -562,17 +565,39 @@ def study(
     help="Fly only every N-th damping and stiffness: 484 cells at 1, 36 at 5.",
 )
 @click.option("--ablations", "ablate", is_flag=True, help="Also fly one constant changed at a time (13 half studies).")
+@click.option("--experiment", is_flag=True, help="Fly the paper's experiment and our own method on the emulated robot.")
+@click.option("--seeds", type=click.IntRange(1, 1000), help="Captures of each kind, of the experiment.  [default: 20]")
 @click.option("--json", "as_json", is_flag=True, help="Print every number as one JSON document.")
-def reproduce(*, out: Path, workers: int | None, every: int, ablate: bool, as_json: bool) -> None:
+def reproduce(
+    *, out: Path, workers: int | None, every: int, ablate: bool, experiment: bool, seeds: int | None, as_json: bool
+) -> None:
     """Fly the paper's captures and its parametric study, and write a report with figures and tables.
 
-    With the authors' constants (published) and with those that the paper prints (as_printed).
+    With the authors' constants (published) and with those that the paper prints (as_printed). Or, with --experiment,
+    its experiment on the air-bearing robot, emulated, beside direct caging and our own method.
     """
-    from becalm import reproducing  # noqa: PLC0415 - the simulation and the drawing take a second to load
-    from sim.study.cores import cores  # noqa: PLC0415
+    from sim.study.cores import cores  # noqa: PLC0415 - the simulation and the drawing take a second to load
+
+    _require_fitting(experiment, every, seeds, ablate=ablate)
+    if experiment:
+        from becalm import reflying  # noqa: PLC0415
+
+        flown = reflying.refly(out, workers or cores(), seeds or 20)
+        click.echo(json.dumps(flown) if as_json else reflying.as_text(flown))
+        return
+    from becalm import reproducing  # noqa: PLC0415
 
     document = reproducing.reproduce(out, workers or cores(), every, ablate=ablate)
     click.echo(json.dumps(document) if as_json else reproducing.as_text(document))
+
+
+def _require_fitting(experiment: bool, every: int, seeds: int | None, *, ablate: bool) -> None:
+    """Refuse an option of the study beside the experiment, and one of the experiment without it."""
+    if experiment and (every != 1 or ablate):
+        name = "--ablations" if ablate else "--every"
+        raise click.UsageError(f"{name} is of the parametric study, which --experiment does not fly; leave one away")
+    if seeds is not None and not experiment:
+        raise click.UsageError(f"--seeds {seeds} is of the experiment: add --experiment")
 
 
 @main.command(epilog=ROBOT_EXAMPLES, short_help="Emulate the air-bearing robot at the other end of the link.")

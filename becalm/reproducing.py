@@ -134,9 +134,9 @@ def _write(folder: Folder, found: Reproduction, document: Mapping[str, Any], pic
         for name in ("published", "as_printed")
         for table in document["agreement"][name]
     ]
-    _write_csv(tables / "agreement.csv", agreements)
-    _write_csv(tables / "first_touch.csv", [_first_touch_row(cell) for cell in found.cells])
-    _write_csv(tables / "ablations.csv", document["ablations"])
+    write_csv(tables / "agreement.csv", agreements)
+    write_csv(tables / "first_touch.csv", [_first_touch_row(cell) for cell in found.cells])
+    write_csv(tables / "ablations.csv", document["ablations"])
     (folder.path / "summary.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     day = datetime.now(UTC).date().isoformat()
     folder.report.write_text(html(found, document, pictures, day), encoding="utf-8")
@@ -154,7 +154,8 @@ def _first_touch_row(cell: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Rows of the same names as a table; no file without rows."""
     if not rows:
         path.unlink(missing_ok=True)
         return

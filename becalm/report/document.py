@@ -118,23 +118,28 @@ def _ending(outcome: OutcomeClass) -> str:
     return MARKS[outcome].words
 
 
-def html(found: Reproduction, document: Mapping[str, Any], pictures: Mapping[str, Picture], day: str) -> str:
-    """The whole report."""
-    environment = Environment(
+def environment() -> Environment:
+    """Of the report's pages."""
+    made = Environment(
         loader=PackageLoader("becalm.report"),
         autoescape=select_autoescape(default=True),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["words"] = _words
-    environment.filters["places"] = _places
-    template = environment.get_template("report.html.j2")
+    made.filters["words"] = _words
+    made.filters["places"] = _places
+    return made
+
+
+def html(found: Reproduction, document: Mapping[str, Any], pictures: Mapping[str, Picture], day: str) -> str:
+    """The whole report."""
+    template = environment().get_template("report.html.j2")
     impedance = found.captures.figures.config.published.impedance
     captures = {**document["captures"], "figures_impedance": impedance}
     return template.render(
         **{**document, "captures": captures},
-        images={name: _data_uri(one) for name, one in pictures.items()},
+        images={name: data_uri(one) for name, one in pictures.items()},
         config=found.config,
         as_printed_config=named_configuration("as_printed"),
         version=becalm_version(),
@@ -142,7 +147,8 @@ def html(found: Reproduction, document: Mapping[str, Any], pictures: Mapping[str
     )
 
 
-def _data_uri(one: Picture) -> str:
+def data_uri(one: Picture) -> str:
+    """A picture as a page holds it."""
     return "data:image/svg+xml;base64," + base64.b64encode(one.svg).decode("ascii")
 
 

@@ -4,19 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, Protocol, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from server.reports.style import AUTHORS, BASE, GREY, INK, LEFT, RIGHT, TARGET, annotate_level, figure
+from sim.capture.events import Ticks
 from sim.capture.tick import ARMS
 from sim.compiled import FloatArray
 from sim.control.phases import Phase
 from sim.method.published.memory import Activity
 from sim.reproduction.experiments import FlownCapture
 from sim.reproduction.findings import hand_forces
+
+
+class HasTicks(Protocol):
+    """A flight whose ticks are drawn."""
+
+    @property
+    def ticks(self) -> Ticks:
+        """All of them."""
+        ...
+
+
+Shown = TypeVar("Shown", bound=HasTicks)
 
 _BINS = 900  # points of a drawn curve; of each bin the extreme is kept, so that no peak is lost
 _SHADES = {Phase.DETUMBLING: "#EAF2F8", Phase.CAGING: "#FBF1E3", Phase.HOLDING: "#EAF5EF"}
@@ -48,7 +61,7 @@ def forces(runs: Mapping[str, FlownCapture], bound: float) -> Figure:
             axes.text(flown.outcome.closed_at, axes.get_ylim()[1], " first closed", va="top", fontsize=6.5)
 
     top = max(flown.outcome.peak_tip_force for flown in runs.values())
-    return _panels(runs, "hand force, N", panel, (0.0, 1.1 * top), legend="upper left")
+    return panels(runs, "hand force, N", panel, (0.0, 1.1 * top), legend="upper left")
 
 
 def spins(runs: Mapping[str, FlownCapture], authors: Mapping[str, FloatArray]) -> Figure:
@@ -64,7 +77,7 @@ def spins(runs: Mapping[str, FlownCapture], authors: Mapping[str, FloatArray]) -
         annotate_level(axes, flown.config.published.caging.spin_threshold, "caging below" if flown.direct else "")
         axes.axhline(0.0, color=GREY, linewidth=0.4)
 
-    return _panels(runs, "angular velocity, rad/s", panel, None, legend="upper right")
+    return panels(runs, "angular velocity, rad/s", panel, None, legend="upper right")
 
 
 def attitude(runs: Mapping[str, FlownCapture]) -> Figure:
@@ -74,8 +87,8 @@ def attitude(runs: Mapping[str, FlownCapture]) -> Figure:
     for place, (name, flown) in enumerate(runs.items()):
         above, below = grid[0, place], grid[1, place]
         time = flown.ticks["time"]
-        _shade(above, flown)
-        _shade(below, flown)
+        shade(above, flown)
+        shade(below, flown)
         above.plot(time[::20], np.degrees(flown.ticks["base_pose"][::20, 2]), color=BASE)
         above.axhline(0.0, color=GREY, linewidth=0.4)
         above.set_title(name)
@@ -133,20 +146,20 @@ def dead_touch(failure: FlownCapture, success: FlownCapture, names: Sequence[str
     return drawn
 
 
-def _panels(
-    runs: Mapping[str, FlownCapture],
+def panels(
+    runs: Mapping[str, Shown],
     label: str,
-    panel: Callable[[Axes, FlownCapture], None],
+    panel: Callable[[Axes, Shown], None],
     limits: tuple[float, float] | None,
     legend: Literal["upper left", "upper right"],
 ) -> Figure:
-    """One panel a run, on the same vertical axis, phases shaded."""
+    """One panel a flight, on the same vertical axis, phases shaded."""
     drawn = figure(7.4, 2.25)
     row = drawn.subplots(1, len(runs), sharey=True, squeeze=False)[0]
     for axes, (name, flown) in zip(row, runs.items(), strict=True):
         if limits:
             axes.set_ylim(*limits)
-        _shade(axes, flown)
+        shade(axes, flown)
         panel(axes, flown)
         axes.set(title=name, xlabel="time, s", xlim=(0.0, float(flown.ticks["time"][-1])))
     row[0].set_ylabel(label)
@@ -154,7 +167,7 @@ def _panels(
     return drawn
 
 
-def _shade(axes: Axes, flown: FlownCapture) -> None:
+def shade(axes: Axes, flown: HasTicks) -> None:
     """The phases as pale bands."""
     phases = flown.ticks["phase"]
     time = flown.ticks["time"]
