@@ -3,6 +3,7 @@
     python -m benchmarks.link                        20 seeds with the testbed's defaults
     python -m benchmarks.link --seeds 3 --idle 600   and ten minutes of watching for lost states
     python -m benchmarks.link --realtime             on a machine that does much beside it
+    python -m benchmarks.link --deadline 0.3         on one that stands still for 100 ms at a time (Linux)
     python -m benchmarks.link --configuration testbed_becalm --seeds 50      our own method; in lots: --first 10 ...
     python -m benchmarks.link --set published.impedance.damping=1.5 --set published.impedance.stiffness=10
 
@@ -75,23 +76,25 @@ def free_port() -> int:
 
 
 class Stalls:
-    """The longest time [s] that a thread, real time if that may be, waited for the machine beyond what it asked for.
+    """The longest time [s] that a processor kept a thread waiting, real time if that may be, beyond what it asked for.
 
-    A machine that lets it wait for a deadline lets both ends, too: they hold, as they should.
+    One that stands still for a deadline lets an end of the link do so, too: both then hold, as they should.
     """
 
     def __init__(self, *, realtime: bool) -> None:
         self._realtime = realtime
         self._longest = 0.0
-        threading.Thread(target=self._watch, daemon=True).start()
+        for processor in sorted(os.sched_getaffinity(0)):
+            threading.Thread(target=self._watch, args=(processor,), daemon=True).start()
 
     def take(self) -> float:
         """The longest since the last call."""
         longest, self._longest = self._longest, 0.0
         return longest
 
-    def _watch(self) -> None:
-        if self._realtime and sys.platform == "linux":
+    def _watch(self, processor: int) -> None:
+        os.sched_setaffinity(0, {processor})
+        if self._realtime:
             os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(3))
         while True:
             began = time.monotonic()
@@ -143,7 +146,7 @@ class Pair:
             "peak_to_closure": outcome.get("peak_tip_force_to_closure"),
             "duration": outcome.get("duration"),
             "final_spin": outcome.get("final_target_spin"),
-            "machine_stood_still": round(stalled, 4),
+            "processor_stood_still": round(stalled, 4),
             "activity": None if outcome.get("caged") else ended["description"],
             "round_trip_p99": (link["round_trip"] or {}).get("p99"),
             "command_age_p50": (link["command_age"] or {}).get("p50"),
@@ -173,23 +176,25 @@ class Pair:
 
 
 @contextlib.contextmanager
-def pair(configuration: str, settings: list[str], imperfect: list[str], ends: list[str]) -> Iterator[Pair]:
-    """Console and robot of that configuration, connected and ready."""
+def pair(chosen: argparse.Namespace) -> Iterator[Pair]:
+    """Console and robot as the arguments say, connected and ready."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    changes = [word for setting in settings for word in ("--set", setting)]
-    imperfections = [word for setting in imperfect for word in ("--imperfection", setting)]
-    serve = ("serve", "--no-open", "--port", "0", "--plant", "zenoh", "--configuration", configuration)
+    shared = ["--configuration", chosen.configuration, *(["--realtime"] if chosen.realtime else [])]
+    robot_options = [word for setting in chosen.imperfection for word in ("--imperfection", setting)]
+    console_options = [word for setting in chosen.settings for word in ("--set", setting)]
+    if chosen.deadline is not None:
+        robot_options += ["--deadline", str(chosen.deadline)]
+        console_options += ["--link-deadline", str(chosen.deadline)]
+    serve = ("serve", "--no-open", "--port", "0", "--plant", "zenoh", "--connect", endpoint)
     with (
         tempfile.TemporaryDirectory() as data,
-        process(
-            "robot", "--listen", endpoint, "--configuration", configuration, *imperfections, *ends, data=Path(data)
-        ) as robot,
-        process(*serve, "--connect", endpoint, *changes, *ends, data=Path(data)) as console,
+        process("robot", "--listen", endpoint, *shared, *robot_options, data=Path(data)) as robot,
+        process(*serve, *shared, *console_options, data=Path(data)) as console,
     ):
         both = Pair(
             httpx.Client(base_url=f"http://127.0.0.1:{port_of(console)}", timeout=10),
             httpx.Client(base_url=f"http://127.0.0.1:{port_of(robot)}", timeout=10),
-            Stalls(realtime="--realtime" in ends),
+            Stalls(realtime=chosen.realtime),
         )
         until(lambda: both.console.get("/api/v1/mission").status_code == 200, START_TIME, "the mission begins")
         yield both
@@ -233,11 +238,11 @@ def main() -> None:
     parser.add_argument("--configuration", default="testbed", help="that console and robot have")
     parser.add_argument("--idle", type=float, default=0.0, help="watch an idle mission for so many seconds first")
     parser.add_argument("--realtime", action="store_true", help="both processes; takes the right to it")
+    parser.add_argument("--deadline", type=float, help="of both ends, in place of their own [s]")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--imperfection", action="append", default=[], metavar="NAME=VALUE")
     chosen = parser.parse_args()
-    ends = ["--realtime"] if chosen.realtime else []
-    with pair(chosen.configuration, chosen.settings, chosen.imperfection, ends) as both:
+    with pair(chosen) as both:
         if chosen.idle:
             print(json.dumps(watch(both, chosen.idle)), flush=True)
         flown = []
