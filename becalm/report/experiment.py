@@ -112,7 +112,7 @@ def _stability(runs: Mapping[str, FlownTrial]) -> Figure:
         below.set(xlabel="time, s", xlim=(0.0, float(ticks["time"][-1])), ylim=(0.0, None))
     grid[0, 0].set_ylabel("base attitude, deg")
     grid[1, 0].set_ylabel("manipulability, 10⁻³ m²")
-    grid[1, 0].legend(loc="lower left")
+    grid[1, 0].legend(loc="center right")
     return drawn
 
 

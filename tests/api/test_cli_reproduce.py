@@ -118,7 +118,15 @@ def test_nothing_else_loads_what_draws():
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [(("--every", "0"), "--every"), (("--workers", "0"), "--workers"), (("--evry", "2"), "--evry")],
+    [
+        (("--every", "0"), "--every"),
+        (("--workers", "0"), "--workers"),
+        (("--evry", "2"), "--evry"),
+        (("--seeds", "3"), "add --experiment"),
+        (("--experiment", "--seeds", "0"), "--seeds"),
+        (("--experiment", "--every", "2"), "--every is of the parametric study"),
+        (("--experiment", "--ablations"), "--ablations is of the parametric study"),
+    ],
 )
 def test_bad_arguments_are_refused(tmp_path, arguments, words):
     result = reproduce(tmp_path / "out", *arguments)
@@ -132,3 +140,30 @@ def test_a_file_is_no_folder(tmp_path):
     result = reproduce(tmp_path / "taken")
     assert result.exit_code == 2
     assert "is a file; give the name of a folder" in result.stderr
+
+
+def test_a_file_is_no_folder_for_the_experiment_either(tmp_path):
+    (tmp_path / "taken").write_text("")
+    result = reproduce(tmp_path / "taken", "--experiment")
+    assert result.exit_code == 2
+    assert "is a file; give the name of a folder" in result.stderr
+
+
+@pytest.mark.slow
+def test_the_experiment_is_flown_again_on_a_page_that_needs_nothing_else(tmp_path):
+    result = reproduce(tmp_path, "--experiment", "--seeds", "1", "--workers", "1", "--json")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert "Captures: 3 of 3" in result.stderr
+    rows = table(tmp_path, "experiment")
+    assert [row["trial"] for row in rows] == list(document["trials"]) == ["direct", "published", "becalm"]
+    ours = document["trials"]["becalm"]
+    assert ours["caged"] == 1
+    assert ours["peak_force"]["largest"] == pytest.approx(float(rows[2]["peak_force"])) < 0.6
+    assert ours["singular"] == 0
+    page = (tmp_path / "experiment.html").read_text()
+    drawn = sorted(path.stem.removeprefix("experiment_") for path in (tmp_path / "figures").glob("*.svg"))
+    assert sorted(re.findall(r'id="figure-([^"]*)', page)) == drawn
+    assert {"forces", "velocities", "stability", "snapshots_published", "manipulability"} <= set(drawn)
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in re.findall(r'src="([^"]*)', page))
+    assert not re.search(r"<script|<link|@import|url\(", page)
