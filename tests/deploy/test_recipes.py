@@ -98,7 +98,7 @@ import numpy as np
 from sim.compiled import FloatArray, compiled
 from sim.config import MissionConfig
 from sim.errors import PlantDiverged
-from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, diverged_at, register_kernel
+from sim.plant.plant import PLANT_STATE, advance_plant, diverged_at, register_kernel
 from sim.record import Record, record_of
 
 
@@ -130,7 +130,9 @@ register_kernel(GlidingHandle, step=_step, momentum_size=_momentum_size)
 class GlidingPlant:
     """See `sim.plant.plant.Plant`."""
 
-    def __init__(self, config: MissionConfig, table: AirTable) -> None:
+    perceived = None
+
+    def __init__(self, config: MissionConfig) -> None:
         target = config.target
         self._parameters = record_of(config)
         self.handle = GlidingHandle(target.mass)
