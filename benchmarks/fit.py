@@ -27,7 +27,7 @@ from sim.config import MissionConfig
 from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command
 from sim.identification.fit import fit, planned
-from sim.identification.parameters import STAMP_ERROR
+from sim.identification.parameters import COMMAND_DELAY, STAMP_ERROR
 from sim.identification.prediction import touches_of
 from sim.identification.recording import Recording, recording
 from sim.identification.result import FittedParameter
@@ -40,6 +40,7 @@ NAMES = (
     "contact.friction",
     "robot.servo.time_constant",
     "perception.capture.stamp_error",
+    "command.delay",
     "target.mass",
     "target.inertia",
     "table.drag",
@@ -48,6 +49,8 @@ NAMES = (
 )
 LENGTH = 30.0
 """Of a run [s]."""
+_OF_THE_LINK = (STAMP_ERROR, COMMAND_DELAY)
+"""Pictures have their true stamps there, and joint rates come into force with the next period."""
 RUNS = 1
 """Fitted together; one more is held out."""
 
@@ -84,7 +87,8 @@ def simulated_config(engine: str) -> MissionConfig:
 
 
 def truth(config: MissionConfig, seed: int, *, stamped: bool = True) -> dict[str, float]:
-    """What is hidden, drawn by the seed; stamps of pictures are wrong only if they are `stamped` by another clock."""
+    """What is hidden, drawn by the seed; stamps of pictures are wrong if they are `stamped` by another clock, which
+    those of the link are not."""
     drawn = np.random.default_rng(seed)
 
     def factor(spread: float) -> float:
@@ -102,13 +106,14 @@ def truth(config: MissionConfig, seed: int, *, stamped: bool = True) -> dict[str
         "table.tilt_x": float(drawn.choice([-1, 1]) * drawn.uniform(5e-5, 2e-4)),
         "table.tilt_y": float(drawn.choice([-1, 1]) * drawn.uniform(5e-5, 2e-4)),
     }
-    return drawn_truth if stamped else {**drawn_truth, STAMP_ERROR: 0.0}
+    return {**drawn_truth, COMMAND_DELAY: 0.0} if stamped else {**drawn_truth, STAMP_ERROR: 0.0, COMMAND_DELAY: 0.005}
 
 
 def flown(config: MissionConfig, hidden: dict[str, float], seed: int, spin: float) -> Recording:
     """A run of the simulation with that truth, as a log would hold it."""
     start = {"target": {"initial_spin": spin}}
-    mission_config = revised(revised(config, nested(hidden)), start)
+    mission_config = revised(config, nested({name: value for name, value in hidden.items() if name != COMMAND_DELAY}))
+    mission_config = revised(mission_config, start)
     mission_config = revised(mission_config, {"simulation": {"seed": seed}})
     return logged(f"seed-{seed}", revised(config, start), Mission(mission_config, simulated_plant(mission_config)))
 
@@ -116,7 +121,7 @@ def flown(config: MissionConfig, hidden: dict[str, float], seed: int, spin: floa
 def emulated(config: MissionConfig, hidden: dict[str, float], seed: int, spin: float) -> Recording:
     """A run of the emulated robot with that truth, as the console's log would hold it."""
     console = revised(config, {"target": {"initial_spin": spin}})
-    true = revised(console, nested({name: value for name, value in hidden.items() if name != STAMP_ERROR}))
+    true = revised(console, nested({name: value for name, value in hidden.items() if name not in _OF_THE_LINK}))
     given = {name: hidden[f"table.{name}"] for name in ("drag", "tilt_x", "tilt_y")}
     plant = VirtualLink(console, Imperfections(**given), seed, true)
     return logged(f"seed-{seed}", console, Mission(console, plant))

@@ -159,6 +159,7 @@ class _Fit:
         for words, times in (("all of it", _FAR_AT_FIRST), ("sharper", _FAR), ("as sharply as it is", _OFF)):
             self._progress.stage(words)
             solved = self._all_solved(estimate.scaled)
+            problem.find_solid(problem.values(estimate.scaled), solved)
             problem.leave_out(solved, times)
             self._weights = refined(problem, solved, self._weights)
             estimate = problem.estimate(estimate.scaled, everything, self._weights, _FINELY)
@@ -323,19 +324,27 @@ def _uncertainty(parameters: Sequence[FittedParameter]) -> dict[str, float]:
 
 def _left_out(problem: Problem) -> list[str]:
     """What was left out, with mission times."""
-    found = []
-    for recorded in problem.recordings:
-        times = [
-            f"{recorded.time[shot.stretch.first]:.2f}"
-            for shot, counts in zip(problem.shots, problem.counted, strict=True)
-            if shot.recorded is recorded and not counts
-        ]
-        if times:
-            found.append(
-                f"run {recorded.name}: no values explain what happened from {', '.join(times)} s on, and those "
-                f"{len(times)} stretches are left out"
-            )
-    return found
+    return [
+        words
+        for recorded in problem.recordings
+        for solid, why in (
+            (True, "more of the robot than its tips touched from {} s on; of such contact the model knows little"),
+            (False, "no values explain what happened from {} s on"),
+        )
+        if (words := _left_out_words(problem, recorded, why, solid=solid))
+    ]
+
+
+def _left_out_words(problem: Problem, recorded: Recording, why: str, *, solid: bool) -> str:
+    """Which stretches of a run were left out for that reason; empty if none was."""
+    times = [
+        f"{recorded.time[shot.stretch.first]:.2f}"
+        for shot, counts, is_solid in zip(problem.shots, problem.counted, problem.solid, strict=True)
+        if shot.recorded is recorded and not counts and is_solid is solid
+    ]
+    if not times:
+        return ""
+    return f"run {recorded.name}: {why.format(', '.join(times))}, and those {len(times)} stretches are left out"
 
 
 def _notices(plan: FitPlan) -> list[str]:

@@ -26,9 +26,11 @@ CHANNELS = 18
 """Readings of a row: base pose, target pose, six joints, two wrenches."""
 BASE, TARGET, JOINTS, WRENCHES = slice(0, 3), slice(3, 6), slice(6, 12), slice(12, 18)
 
-COLUMNS = 28
-"""Of a row that was flown: a node's first twelve numbers, joints, wrenches, hands' angles, mounts' angles."""
+COLUMNS = 29
+"""Of a row that was flown: a node's first twelve numbers, joints, wrenches, hands' angles, mounts' angles, and how many
+parts of the robot beside its tips touch the target."""
 _JOINT, _WRENCH, _HAND, _MOUNT = 12, 18, 24, 26
+SOLID = 28
 
 _LOST = 1e3
 """Residual of a rollout that left all numbers, in standard deviations."""
@@ -76,7 +78,7 @@ class Flight(NamedTuple):
     rates: FloatArray
     """Joint rates [rad/s] from each row to the next, shape (rows, 2, 3); the last is not flown."""
     rows: FloatArray
-    """Shape (rows, 28); written."""
+    """Shape (rows, 29); written."""
 
 
 class Seen(NamedTuple):
@@ -118,7 +120,8 @@ def fly(flight: Flight, node: FloatArray) -> int:
 
 @compiled
 def _write_row(state: Record, into: FloatArray) -> None:
-    """One element of `PLANT_STATE` as a row, shape (28,)."""
+    """One element of `PLANT_STATE` as a row, shape (29,)."""
+    into[SOLID] = state.base_contact + state.arm_contact
     for axis in range(3):
         into[axis], into[3 + axis] = state.base_pose[axis], state.base_twist[axis]
         into[6 + axis], into[9 + axis] = state.target_pose[axis], state.target_twist[axis]
@@ -137,7 +140,7 @@ def read(rows: FloatArray, reader: Record, readings: FloatArray) -> None:
     """What the sensors would have read of rows that were flown.
 
     Args:
-        rows: shape (rows, 28).
+        rows: shape (rows, 29).
         reader: record of `Reader`.
         readings: shape (rows, 18); written: poses as late as the recorded ones, wrenches in world axes.
 

@@ -66,7 +66,7 @@ _SPREADS: Mapping[str, tuple[float, float]] = {
 """Of the configuration: the prior's spread, relative to the nominal value and beside it."""
 
 _OWN: Mapping[str, tuple[str, str, float, float, float, float]] = {
-    COMMAND_DELAY: ("s", "From a commanded joint rate to the servo that follows it", 0.0, 5e-3, 0.0, 0.1),
+    COMMAND_DELAY: ("s", "From a commanded joint rate to the servo that follows it", 0.0, 5e-3, -5e-3, 0.1),
 }
 """What the configuration has not: unit, words, nominal value, spread, bounds."""
 
@@ -79,6 +79,7 @@ DEFAULT = (
     "contact.friction",
     "robot.servo.time_constant",
     STAMP_ERROR,
+    COMMAND_DELAY,
     "target.inertia",
     "table.drag",
     "table.tilt_x",

@@ -252,9 +252,10 @@ def commands_at(recorded: Recording, delay: float) -> FloatArray:
     whole, part = divmod(delay / recorded.period, 1.0)
     late = int(whole)
     commanded = np.nan_to_num(recorded.commanded)
-    early = commanded[np.maximum(np.arange(len(commanded)) - late, 0)]
+    place, end = np.arange(len(commanded)), len(commanded) - 1
+    early = commanded[np.clip(place - late, 0, end)]
     if part == 0.0:
         return early
-    later = commanded[np.maximum(np.arange(len(commanded)) - late - 1, 0)]
+    later = commanded[np.clip(place - late - 1, 0, end)]
     blended: FloatArray = (1.0 - part) * early + part * later
     return blended

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.compiled import FloatArray
 from sim.config import Engine, MissionConfig, SimulationConfig
-from sim.identification.flight import CHANNELS, COLUMNS, Flight, Reader, Stepped, fly, read
+from sim.identification.flight import CHANNELS, COLUMNS, SOLID, Flight, Reader, Stepped, fly, read
 from sim.identification.parameters import Hypothesis, changed
 from sim.identification.recording import BoolArray, Recording, commands_at
 from sim.plant.plant import PLANT_STATE
@@ -31,6 +31,8 @@ class Predicted(NamedTuple):
     left all numbers."""
     end: FloatArray
     """The node of the last row, shape (14,)."""
+    solid: bool
+    """Whether anything but a tip touches the target."""
 
     @property
     def wrench(self) -> FloatArray:
@@ -68,7 +70,8 @@ class Model:
         flight.rows[count:] = np.nan
         read(flight.rows, flight.reader, readings)
         end = flight.rows[-1]
-        return Predicted(readings, np.concatenate([end[_MOVING], end[_MOUNTED]]))
+        solid = bool((flight.rows[:, SOLID] > 0.0).any())
+        return Predicted(readings, np.concatenate([end[_MOVING], end[_MOUNTED]]), solid)
 
     def flight(self, first: int, touchable: BoolArray) -> Flight:
         """What compiled code flies from that row on.

@@ -29,11 +29,17 @@ _DIFFERENCE = 1e-3
 _CLOSE = 1e-3
 """A step by less than this, in spreads, or that lowers the misfit by a smaller part of it, ends a fit."""
 
+_USUAL = 0.25
+"""Quantile of the misfits of a kind of stretches that is taken for usual."""
+
 _INSIDE = 0.1
 """Distance from its bounds, in spreads, at which a parameter begins: beside a bound steps are short ones."""
 
 _CONTACT_ONLY = ("contact.", "target.", "perception.wrist.")
 """What free flight says nothing about."""
+
+_OF_SOLIDS = "contact.solid_"
+"""Laws of contact of everything but tips."""
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -72,6 +78,8 @@ class Problem:
         self._threads, self._cancelled, self._on_evaluation = threads, cancelled, on_evaluation
         self.counted = [True] * len(self.shots)
         """Whether a shot counts; of the others no state is looked for."""
+        self.solid = [False] * len(self.shots)
+        """Whether another part of the robot than a tip touches in it, of which the model knows little."""
         self._weights: Weights | None = None
         self._solved: list[Solved | None] = [None] * len(self.shots)
         """The best until now, with these weights."""
@@ -176,16 +184,32 @@ class Problem:
     def leave_out(self, solved: Sequence[Solved], times: float, *, touches: bool = True) -> None:
         """Count no shot whose misfit is so many times the usual one of its kind, and no touch unless they are to count.
 
+        One that is `solid` does not count either.
+
         A touch that nobody felt, or a reading gone wrong, is explained by no values, and would spoil all of them. Free
-        flight is always explained better than a touch, so each is compared with its like: most of either stay.
+        flight is always explained better than a touch, so each is compared with its like. What is usual is what the
+        best of them show: where the model fails, as while the target is held, it fails in most.
         """
         misfits = np.array([shot.misfit(each) for shot, each in zip(self.shots, solved, strict=True)])
-        touching = np.array([shot.stretch.touches for shot in self.shots])
+        touching = np.array([shot.stretch.touches for shot in self.shots]) & ~np.array(self.solid)
+        free = np.array([not shot.stretch.touches for shot in self.shots])
         counted = np.zeros(len(self.shots), dtype=bool)
-        for kind in (touching, ~touching) if touches else (~touching,):
-            usual = float(np.median(misfits[kind])) if kind.any() else 1.0
+        for kind in (touching, free) if touches else (free,):
+            usual = float(np.quantile(misfits[kind], _USUAL)) if kind.any() else 1.0
             counted |= kind & (misfits <= times * max(1.0, usual))
         self.counted = counted.tolist()
+
+    def find_solid(self, values: Mapping[str, float], solved: Sequence[Solved]) -> None:
+        """Find in which touches more than tips touch; none where a law of the other parts' contact is fitted."""
+        if any(each.name.startswith(_OF_SOLIDS) for each in self.parameters):
+            return
+        models = dict(zip((id(each) for each in self.recordings), self.models(values), strict=True))
+
+        def solid(place: int) -> bool:
+            shot = self.shots[place]
+            return shot.stretch.touches and shot.predict(models[id(shot.recorded)], solved[place].node).solid
+
+        self.solid = self.each(solid, range(len(self.shots)))
 
     def remember(self, solved: Sequence[Solved]) -> None:
         """Begin from the states of those that count next time."""

@@ -14,8 +14,9 @@ from sim.errors import ConfigError, MissionRefused
 from sim.identification.fit import fit, planned
 from sim.identification.parameters import ALL, STAMP_ERROR, parameters_of
 from sim.identification.pictures import pictures
-from sim.identification.recording import recording
-from sim.identification.varpro import FitCancelled
+from sim.identification.recording import commands_at, recording
+from sim.identification.shooting import Shot, Weights
+from sim.identification.varpro import FitCancelled, Problem
 from sim.plant.engine import simulated_plant
 
 HIDDEN = {
@@ -87,6 +88,36 @@ def test_the_miss_is_taken_apart_into_parts_that_sum_up():
 def test_a_preset_keeps_what_the_configuration_has():
     assert set(fitted().preset) == set(NAMES)
     revised(nominal(), nested(fitted().preset))
+
+
+def test_a_touch_of_more_than_tips_does_not_count_unless_its_law_is_fitted(monkeypatch):
+    run = recording("struck", nominal(), [log(ticks())])
+
+    def solved(names):
+        problem = Problem([run], planned([run], names).parameters, threads=1)
+        values = problem.values(np.zeros(len(names)))
+        found = problem.solve(values, Weights(3e-4, 1.5e-3, 3e-4, 1.5e-3, 2e-5, 0.02, 1e-3))
+        predict = Shot.predict
+        monkeypatch.setattr(Shot, "predict", lambda *given: predict(*given)._replace(solid=True))
+        problem.find_solid(values, found)
+        monkeypatch.undo()
+        problem.leave_out(found, 1e9)
+        return problem
+
+    counted = solved(("contact.stiffness",))
+    assert counted.solid == [shot.stretch.touches for shot in counted.shots]
+    assert counted.counted == [not shot.stretch.touches for shot in counted.shots]
+    assert all(solved(("contact.stiffness", "contact.solid_stiffness")).counted)
+
+
+def test_commands_may_come_between_two_periods():
+    run = recording("struck", nominal(), [log(ticks()[:600])])
+    commanded = ticks()[:600]["commanded_joint_rate"]
+    period = nominal().control.period
+    assert commands_at(run, 0.0)[300].tolist() == commanded[300].tolist()
+    assert commands_at(run, 1.25 * period)[300] == pytest.approx(0.75 * commanded[299] + 0.25 * commanded[298])
+    assert commands_at(run, -0.25 * period)[300] == pytest.approx(0.75 * commanded[300] + 0.25 * commanded[301])
+    assert np.isfinite(commands_at(run, -0.25 * period)).all()
 
 
 def test_residuals_fall_to_the_noise_of_the_sensors():
