@@ -155,7 +155,7 @@ class _Fit:
         everything = list(range(count))
         scaled = self._of_free_flight(self._start())
         self._progress.stage("touches, coarsely")
-        estimate = problem.estimate(scaled, everything, _COARSE, _ROUGHLY)
+        estimate = problem.estimate(scaled, self._of_touches() or everything, _COARSE, _ROUGHLY)
         for words, times in (("all of it", _FAR_AT_FIRST), ("sharper", _FAR), ("as sharply as it is", _OFF)):
             self._progress.stage(words)
             solved = self._all_solved(estimate.scaled)
@@ -176,6 +176,12 @@ class _Fit:
             if each.name == "robot.servo.time_constant" and guess > 0.0:
                 scaled[place] = (guess - each.nominal) / each.spread
         return scaled
+
+    def _of_touches(self) -> list[int]:
+        """The parameters that only touches tell; what free flight tells stays as it said while weights are wide."""
+        if not any(not shot.stretch.touches for shot in self._problem.shots):
+            return []
+        return [place for place, each in enumerate(self._plan.parameters) if not in_free_flight(each)]
 
     def _of_free_flight(self, scaled: FloatArray) -> FloatArray:
         """What stretches without a touch say; those in which something unfelt happened count no longer."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+import time
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from .conftest import ARTIFACTS, Service
+from .conftest import ARTIFACTS, PREPARING_TIME, Service
 
 pytestmark = pytest.mark.browser
 
@@ -18,13 +19,16 @@ STRUCK = {
 """A run of one touch, by the right hand."""
 
 
+CHOSEN = ("contact.stiffness", "robot.servo.time_constant")
+
+
 def flown(service: Service, seed: int) -> str:
     """A run of the library."""
     run = str(service.ask("/runs", {**STRUCK, "seed": seed})["id"])
-    for _ in range(1000):
-        ended = service.ask(f"/runs/{run}")
-        if ended["status"] not in ("queued", "running"):
-            break
+    deadline = time.monotonic() + PREPARING_TIME
+    while (ended := service.ask(f"/runs/{run}"))["status"] in ("queued", "running"):
+        assert time.monotonic() < deadline, f"run {run} is {ended['status']}"
+        time.sleep(0.25)
     assert ended["status"] == "finished", ended["note"]
     return run
 
@@ -34,10 +38,8 @@ def test_a_run_is_fitted_with_others_and_what_is_found_is_kept(console: Page, se
     console.goto(f"{service.address}/#/runs/{run}")
     panel = console.get_by_role("region", name="Fit", exact=True)
     panel.get_by_text("Parameters").click()
-    for box in panel.get_by_role("checkbox", checked=True).all():
-        box.uncheck()
-    for name in ("contact.stiffness", "robot.servo.time_constant"):
-        panel.get_by_label(name, exact=True).check()
+    for box in panel.get_by_role("checkbox").all():
+        box.set_checked(box.evaluate("box => box.labels[0].textContent") in CHOSEN)
     panel.get_by_text("Other runs").click()
     panel.get_by_label(re.compile(f"Fit too: .*{other[-6:]}")).check()
     panel.get_by_label(re.compile(f"Hold out: .*{held[-6:]}")).check()
