@@ -6,7 +6,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import BrokenExecutor, as_completed
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ from sim.compiled import compiling_alone
 from sim.control.phases import Command, Phase
 from sim.errors import ConfigError, MissionRefused
 from sim.reproduction.testbed import FlownTrial, Trial, Truth, measures, summary, trials
-from sim.study.executors import LocalProcesses
+from sim.study.executors import LocalProcesses, WorkersUnavailable
 
 _CHUNK = 20
 """Ticks between two looks whether a flight is over."""
@@ -40,6 +40,8 @@ def refly(out: Path, workers: int, seeds: int) -> dict[str, Any]:
 
     Raises:
         ConfigError: `out` is a file.
+        MissionRefused: a capture cannot end well, and why.
+        WorkersUnavailable: a worker process has died.
 
     """
     began = time.perf_counter()
@@ -97,7 +99,12 @@ def _prepare(flown: Sequence[Trial]) -> None:
 
 
 def _fly_all(flown: Sequence[Trial], seeds: int, workers: int) -> list[FlownTrial]:
-    """Every trial with every seed, in their order."""
+    """Every trial with every seed, in their order.
+
+    Raises:
+        WorkersUnavailable: a worker process has died.
+
+    """
     pool, count = LocalProcesses(min(workers, seeds * len(flown))), seeds * len(flown)
     try:
         waiting = [pool.submit(fly, trial, seed) for trial in flown for seed in range(seeds)]
@@ -108,6 +115,9 @@ def _fly_all(flown: Sequence[Trial], seeds: int, workers: int) -> list[FlownTria
         pool.kill()
         _say("\nStopped. Nothing was written")
         sys.exit(INTERRUPTED)
+    except BrokenExecutor as error:
+        tip = "fewer --workers take less memory; becalm run shows whether the simulation starts at all"
+        raise WorkersUnavailable(f"a worker process ended before its capture: {error}", tip=tip) from None
     finally:
         pool.shutdown(cancel_futures=True)
 

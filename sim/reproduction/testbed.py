@@ -127,7 +127,7 @@ def measures(flight: FlownTrial) -> dict[str, Any]:
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Of all flights of one trial, rows as `measures` gives them."""
-    whiles = [row["nearest_while"] for row in rows]
+    whiles = [row["nearest_while"] for row in rows if row["singular"]]
     return {
         "flights": len(rows),
         "caged": sum(row["caged"] for row in rows),
@@ -138,7 +138,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "base_rotation_deg": _spread(rows, "base_rotation_deg"),
         "least_manipulability": _spread(rows, "least_manipulability"),
         "singular": sum(row["singular"] for row in rows),
-        "nearest_while": max(sorted(set(whiles)), key=whiles.count),
+        "singular_while": max(sorted(set(whiles)), key=whiles.count) if whiles else None,
     }
 
 

@@ -75,6 +75,7 @@ def test_a_summary_gives_least_median_and_largest_sizes() -> None:
     assert found["final_spin"] == {"least": 0.2, "median": 0.2, "largest": 0.2}
     assert (found["flights"], found["caged"], found["singular"]) == (3, 0, 1)
     assert found["locked_at"] is None
-    assert found["nearest_while"] == "closing"
+    assert found["singular_while"] == "closing"
+    assert summary([measures(flights[0])])["singular_while"] is None
     assert shown(flights).seed == 2
     assert nearest(flights).seed == 1

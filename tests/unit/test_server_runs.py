@@ -43,6 +43,14 @@ def _event(tick: int) -> LoggedEvent:
     return LoggedEvent(time=tick * 1e-3, tick=tick, kind="touch", severity="info", message="it", at="now")
 
 
+@pytest.mark.parametrize("robot", [False, True])
+def test_a_run_knows_whether_a_robot_was_flown(store, robot):
+    """Of a robot's a replay takes what was perceived from the ticks; one from before robots were noted has none."""
+    record = new_record("live", "testbed_becalm", named_configuration("testbed_becalm"), robot=robot)
+    store.write(record).close(status="finished")
+    assert store.read(record.id).history().robot == robot
+
+
 def test_identifiers_sort_by_time():
     identifiers = [new_run_id() for _ in range(50)]
     assert [each[:18] for each in identifiers] == sorted(each[:18] for each in identifiers)
