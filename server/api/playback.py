@@ -9,6 +9,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
@@ -22,13 +24,16 @@ from server.errors import ServiceBusy
 from server.library.replay_session import Opened, ReplaySession
 from server.library.replay_sessions import ReplaySessions
 from server.mission.feed import snapshot_text
-from server.scene import CAMERAS
+from server.scene import CAMERAS, Picture
 from sim.errors import CaptureError
 
 TRY_AGAIN_LATER, POLICY = 1013, 1008
 """WebSocket close codes: no room now; not this run."""
 
 LARGEST_MESSAGE = 4096
+
+LARGEST_SIDE = 8192
+"""Of a picture [pixels]: more than what draws in browsers can."""
 
 router = APIRouter()
 
@@ -42,6 +47,18 @@ class Show(BaseModel):
     time: float = Field(ge=0, allow_inf_nan=False, description="Mission time [s]")
 
 
+class TakePicture(BaseModel):
+    """Draw and describe the run at a moment, and have the browser that shows the scene draw a picture of it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    type: Literal["picture"]
+    name: str = Field(pattern=r"^[\w-]{1,64}$", description="By which the page knows it again")
+    time: float = Field(ge=0, allow_inf_nan=False, description="Mission time [s]")
+    width: int = Field(ge=16, le=LARGEST_SIDE, description="[pixels]")
+    height: int = Field(ge=16, le=LARGEST_SIDE, description="[pixels]")
+
+
 class Arrange(SceneChange):
     """Look at the scene in another way."""
 
@@ -53,7 +70,7 @@ class Arrange(SceneChange):
         return Arrange(type="arrange", camera=camera, layers={**self.layers, **later.layers})
 
 
-Message = Show | Arrange
+Message = Show | TakePicture | Arrange
 _MESSAGE: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
 
 
@@ -101,6 +118,7 @@ class _Connection:
         self._sessions = replay_sessions
         self._session = session
         self._wanted: Show | None = None
+        self._picture: TakePicture | None = None
         self._arrangement: Arrange | None = None
         self._news = asyncio.Event()
 
@@ -121,6 +139,8 @@ class _Connection:
             message = await self._understood(received)
             if isinstance(message, Show):
                 self._wanted = message
+            elif isinstance(message, TakePicture):
+                self._picture = message
             elif message is not None:
                 self._arrangement = message if self._arrangement is None else self._arrangement.then(message)
             self._news.set()
@@ -144,11 +164,16 @@ class _Connection:
                 await self._sessions.aside(arrange, arrangement.camera, arrangement.layers)
             wanted, self._wanted = self._wanted, None
             if wanted is not None:
-                await self._show(wanted.time)
+                await self._answer(partial(self._session.show, wanted.time))
+            taken, self._picture = self._picture, None
+            if taken is not None:
+                picture = Picture(taken.name, taken.width, taken.height)
+                await self._answer(partial(self._session.picture, taken.time, picture))
 
-    async def _show(self, time: float) -> None:
+    async def _answer(self, shown: Callable[[], str]) -> None:
+        """Say what was published at the moment that is shown now."""
         try:
-            snapshot = await self._sessions.aside(self._session.show, time)
+            snapshot = await self._sessions.aside(shown)
         except CaptureError as refusal:
             await self._websocket.send_text(_refused(refusal))
             return

@@ -21,7 +21,7 @@ from server.instants import wall_clock
 from server.library.runs import RunStore
 from server.process.aside import CONTEXT, END_TIME, begin_aside
 from server.published import Control, MissionSnapshot, PlantStatus
-from server.scene import CameraName, Scene
+from server.scene import CameraName, Picture, Scene
 from sim.capture.mission import Mission
 from sim.capture.playback import Playback
 from sim.capture.replay import FlightHistory, Follower
@@ -98,6 +98,17 @@ class _Projection:
             problems=(),
         ).model_dump_json()
 
+    def picture(self, time: float, picture: Picture) -> str:
+        """As `show`, and then have the browser draw that picture of it.
+
+        Raises:
+            MissionRefused: today's phases do not allow a command that was granted then.
+
+        """
+        snapshot = self.show(time)
+        self._scene.ask_for(picture)
+        return snapshot
+
     def arrange(self, camera: CameraName | None, layers: Mapping[str, bool]) -> None:
         """Choose camera and layers; None leaves the camera."""
         self._scene.arrange(camera, layers)
@@ -135,6 +146,16 @@ class ReplaySession:
 
         """
         return str(self._call("show", time))
+
+    def picture(self, time: float, picture: Picture) -> str:
+        """As the projection's.
+
+        Raises:
+            MissionRefused: today's phases do not allow a command that was granted then.
+            ServiceBusy: its process was lost.
+
+        """
+        return str(self._call("picture", time, picture))
 
     def arrange(self, camera: CameraName | None, layers: Mapping[str, bool]) -> None:
         """As the projection's.

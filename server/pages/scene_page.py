@@ -2,7 +2,8 @@
 
 What is put into its head tells the page around it (`postMessage`, `{"scene": ...}`) when viser's program has arrived
 (`arrived`), when it makes its canvas (`begun`) and when the first picture with robot and target has been drawn
-(`drawn`).
+(`drawn`). A picture that was asked for by name (`server.scene.doorway`) is given to that page, too, as PNG without a
+background (`picture`, with `name` and `content`, which is empty if it could not be drawn); it goes nowhere else.
 """
 
 from __future__ import annotations
@@ -48,6 +49,14 @@ HEAD = """<script>
     };
     requestAnimationFrame(look);
   };
+  // viser would send it to its server, through the worker that has its socket.
+  const send = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (said, ...given) {
+    if (said?.message?.type !== "GetRenderResponseMessage") return send.call(this, said, ...given);
+    const { render_uuid: name, payload: content } = said.message;
+    parent.postMessage({ scene: "picture", name, content }, location.origin, [content.buffer]);
+  };
+
   const make = HTMLCanvasElement.prototype.getContext;
   let watched = false;
   HTMLCanvasElement.prototype.getContext = function (kind, ...given) {

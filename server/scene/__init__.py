@@ -2,6 +2,7 @@
 
 from server.scene.cameras import CAMERAS, CameraName
 from server.scene.canvas import LAYERS
+from server.scene.doorway import Picture
 from server.scene.view import Scene
 
-__all__ = ["CAMERAS", "LAYERS", "CameraName", "Scene"]
+__all__ = ["CAMERAS", "LAYERS", "CameraName", "Picture", "Scene"]

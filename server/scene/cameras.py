@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
+from viser.transforms import SO3
 
 from server.scene.solids import FloatArray
 from sim.config import MissionConfig
@@ -94,3 +95,14 @@ def carried(position: FloatArray, look_at: FloatArray, point: Sequence[float]) -
     """A camera moved along so that it looks at a point in the plane, from the same side and distance."""
     target = np.array([point[0], point[1], look_at[2]])
     return View(position + (target - look_at), target)
+
+
+def orientation(view: View) -> tuple[float, float, float, float]:
+    """How that camera is turned, as a quaternion w, x, y, z: its x to the right, y down, z ahead; world z is up."""
+    ahead = view.look_at - view.position
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    axes = np.column_stack([right, np.cross(ahead, right), ahead])
+    w, x, y, z = SO3.from_matrix(axes).wxyz.tolist()
+    return w, x, y, z

@@ -12,11 +12,14 @@ import shutil
 import tempfile
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import viser
 import websockets.asyncio.server
+from viser._messages import GetRenderRequestMessage
 from viser.infra import _infra
+
+from server.scene.cameras import View, orientation
 
 LONGEST_PATH = 100
 """Bytes that the path of a unix socket may have, on the system that allows fewest (104, with its end)."""
@@ -45,6 +48,16 @@ _infra.websockets = _PatchedModule(  # type: ignore[assignment, attr-defined]
 )
 
 
+class Picture(NamedTuple):
+    """A picture that browsers are asked for."""
+
+    name: str
+    """By which who asked knows it again."""
+    width: int
+    height: int
+    """[pixels]"""
+
+
 class DoorwayServer(viser.ViserServer):
     """viser on a unix socket, and without its tunnel: nothing that a browser sends may publish the scene outside."""
 
@@ -69,6 +82,37 @@ class DoorwayServer(viser.ViserServer):
     def watched(self) -> bool:
         """Whether any browser is connected, also one that has not said yet where its camera is; for any thread."""
         return bool(self._open)
+
+    def ask_for(self, picture: Picture, view: View, field_of_view: float) -> None:
+        """Have every browser draw what it has been sent until now once more, at that size, on nothing.
+
+        viser's own `get_render` waits for the bytes, and may overtake what the scene has been told: requests of one
+        browser and the scene's updates wait in two lists. This one stands in the scene's list, and its answer goes to
+        the page around the scene (`server.pages.scene_page`), never through here.
+
+        Args:
+            picture: which.
+            view: from where.
+            field_of_view: vertical [rad].
+
+        """
+        told = self._websock_server.get_message_buffer()
+        told.remove_from_buffer(
+            lambda message: isinstance(message, GetRenderRequestMessage)
+        )  # browsers come later, too
+        self._websock_server.queue_message(
+            GetRenderRequestMessage(
+                format="image/png",
+                width=picture.width,
+                height=picture.height,
+                quality=100,
+                wxyz=orientation(view),
+                position=(float(view.position[0]), float(view.position[1]), float(view.position[2])),
+                fov=field_of_view,
+                render_uuid=picture.name,
+            )
+        )
+        self._websock_server.flush()
 
     def stop(self) -> None:
         """End it, and remove its socket."""

@@ -16,7 +16,7 @@ from server.scene.bodies import RobotDrawing, TargetDrawing
 from server.scene.cage import CageDrawing
 from server.scene.cameras import CAMERAS, CameraName, View
 from server.scene.canvas import HIDDEN_AT_FIRST, LAYERS, Canvas
-from server.scene.doorway import DoorwayServer
+from server.scene.doorway import DoorwayServer, Picture
 from server.scene.dynamics import EllipsesDrawing, ForcesDrawing, MotionDrawing
 from server.scene.futures import FuturesDrawing
 from server.scene.solids import FloatArray
@@ -190,6 +190,21 @@ class Scene:
                 for client in self._server.get_clients().values():
                     self._give(client, self._view(client.camera.aspect))
 
+    def ask_for(self, picture: Picture) -> None:
+        """Has browsers draw a picture of what is shown now, from where they look; a scene not started ignores it."""
+        with self._lock:
+            if self._server is not None:
+                view, field_of_view = self._pictured(self._server, picture.width / picture.height)
+                self._server.ask_for(picture, view, field_of_view)
+
+    def _pictured(self, server: viser.ViserServer, aspect: float) -> tuple[View, float]:
+        """From where a visitor looks, who has moved the camera; else the preset in force, framed for the picture."""
+        for client in server.get_clients().values():
+            camera = client.camera
+            if _is_somewhere(camera) and not self._is_untouched(client, server):
+                return View(camera.position, camera.look_at), camera.fov
+        return self._view(aspect), cameras.FIELD_OF_VIEW
+
     def _build(self, server: viser.ViserServer) -> None:
         """Makes all nodes for the configuration in force."""
         canvas = self._canvas = Canvas(server.scene)
@@ -258,13 +273,18 @@ class Scene:
         with self._lock:
             if self._server is None:
                 return
-            here, wanted = client.camera.position, self._view(client.camera.aspect)
-            given = self._given.get(client.client_id, wanted).position
-            untouched = _is_near(here, self._server.initial_camera.position) or (
-                self._camera not in FOLLOWING and _is_near(here, given)
-            )
-            if untouched and not _is_near(here, wanted.position):
+            wanted = self._view(client.camera.aspect)
+            untouched = self._is_untouched(client, self._server)
+            if untouched and not _is_near(client.camera.position, wanted.position):
                 self._give(client, wanted)
+
+    def _is_untouched(self, client: viser.ClientHandle, server: viser.ViserServer) -> bool:
+        """Whether a browser's camera stands where it was put; of one that follows that is not known."""
+        here = client.camera.position
+        if _is_near(here, server.initial_camera.position):
+            return True
+        given = self._given.get(client.client_id, self._view(client.camera.aspect)).position
+        return self._camera not in FOLLOWING and _is_near(here, given)
 
     def _forget(self, client: viser.ClientHandle) -> None:
         with self._lock:

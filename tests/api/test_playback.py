@@ -8,8 +8,10 @@ import time
 from functools import partial
 
 import httpx
+import msgspec
 import pytest
 import viser
+import zstandard
 from websockets import Subprotocol
 from websockets.asyncio import client as websocket
 from websockets.exceptions import ConnectionClosed
@@ -84,6 +86,33 @@ async def test_its_scene_is_served_as_long_as_somebody_watches(served, run):
                 await asyncio.sleep(0.02)
 
 
+def _messages(frame: bytes) -> list[dict]:
+    """What viser says in one frame: two lengths, then its messages, compressed."""
+    packed = frame[16 : 16 + int.from_bytes(frame[8:16], "little")]
+    return msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(packed))["messages"]
+
+
+async def test_a_picture_is_asked_of_the_browser_behind_what_it_shows(served, run):
+    async with _watching(served, run["id"]) as watcher:
+        scene = (await _next(watcher))["scene"]
+        address = f"ws://127.0.0.1:{served.port}{scene.rstrip('/')}"
+        protocol = Subprotocol(f"viser-v{viser.__version__}")
+        async with connect(address, subprotocols=[protocol], max_size=None, compression=None) as browser:
+            asked = {"type": "picture", "name": "one", "time": run["duration"], "width": 640, "height": 360}
+            await watcher.send(json.dumps(asked))
+            shown = await _next(watcher)
+            assert shown["outcome"] == run["outcome"]
+            said: list[dict] = []
+            async with asyncio.timeout(PATIENCE):
+                while not said or said[-1]["type"] != "GetRenderRequestMessage":
+                    said += _messages(bytes(await browser.recv(decode=False)))
+    *before, request = said
+    assert (request["render_uuid"], request["width"], request["height"]) == ("one", 640, 360)
+    assert request["format"] == "image/png"  # without a background
+    moved = [each for each in before if each["type"] == "SetPositionMessage" and each["name"] == "/target"]
+    assert moved[-1]["position"][:2] == pytest.approx(shown["target"]["pose"][:2], abs=1e-4)
+
+
 async def test_camera_and_layers_are_its_own(served, run):
     async with (
         _watching(served, run["id"]) as watcher,
@@ -104,6 +133,8 @@ async def test_camera_and_layers_are_its_own(served, run):
         ('{"type":"dance"}', "dance"),
         ("[]", "object"),
         ('{"type":"arrange","layers":{"stars":true}}', "stars"),
+        ('{"type":"picture","name":"a b","time":1,"width":640,"height":360}', "name"),
+        ('{"type":"picture","name":"a","time":1,"width":640,"height":100000}', "height"),
     ],
 )
 async def test_what_is_no_message_is_told_and_the_watching_goes_on(served, run, message, named):

@@ -46,3 +46,20 @@ def test_a_carried_camera_keeps_its_side_and_distance():
     carried = cameras.carried(view.position, view.look_at, (0.2, 0.1))
     assert carried.position - carried.look_at == pytest.approx(view.position - view.look_at)
     assert carried.look_at == pytest.approx([0.2, 0.1, 0.1])
+
+
+@pytest.mark.parametrize("preset", [cameras.perspective, cameras.top])
+def test_the_turn_of_a_camera_has_its_axes_right_down_and_ahead(preset):
+    view = preset(CONFIG, 1.5)
+    w, x, y, z = cameras.orientation(view)
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    ahead = view.look_at - view.position
+    assert turn[:, 2] == pytest.approx(ahead / np.linalg.norm(ahead))
+    assert turn[2, 0] == pytest.approx(0.0, abs=1e-9)  # level
+    assert turn[2, 1] < 0.0  # the picture's lower edge is below

@@ -68,6 +68,7 @@ const SERVICE: LiveSourceOptions = { connect, readHistory, readEvents, readTicks
 
 export class LiveSource implements Source {
   readonly playback = null;
+  readonly takePicture = null;
   readonly refreshPeriod = EXTREMES_PERIOD;
   readonly scene: SceneArrangement = {
     changeNeeds: "operator",

@@ -78,6 +78,11 @@ export class Playback {
     this.change({ time: this.within(time) });
   }
 
+  /** Who shows another moment meanwhile, for a picture, shows that of the playback again. */
+  showAgain(): void {
+    for (const listener of this.listeners) listener();
+  }
+
   /** By whole ticks, standing still; negative goes back. */
   step(ticks: number): void {
     const tick = Math.round(this.view.time / this.period) + ticks;

@@ -20,7 +20,7 @@ const TABLE = {
 const EVENTS = [{ message: "Detumbling begins" } as MissionEvent];
 
 function opened(first: Run = run()) {
-  const replay = { show: vi.fn(), arrange: vi.fn(), close: vi.fn() };
+  const replay = { show: vi.fn(), arrange: vi.fn(), takePicture: vi.fn(), close: vi.fn() };
   const listeners: ReplayEvents[] = [];
   const service = {
     readRun: vi.fn(() => Promise.resolve(first)),

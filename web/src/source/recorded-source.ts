@@ -6,7 +6,7 @@ import { samplesOfTable, type Sample } from "./quantities";
 import { POINTS, readFinely } from "./read-finely";
 import { ReplaySession, type Replay, type ReplayEvents } from "./replay-session";
 import { Series } from "./series";
-import type { Range, SceneArrangement, Sink, Source } from "./source";
+import type { PictureRequest, Range, SceneArrangement, Sink, Source } from "./source";
 
 /** Milliseconds between two looks at a run that is still being recorded. */
 const GROWING_PERIOD = 1000;
@@ -89,6 +89,10 @@ export class RecordedSource implements Source {
       this.replay?.arrange({ ...(camera && { camera }), ...(layers && { layers }) });
       return Promise.resolve();
     },
+  };
+
+  readonly takePicture = (request: PictureRequest): void => {
+    this.replay?.takePicture(request);
   };
 
   /** The moment of the playback is shown by the service, as long as the source is open. */

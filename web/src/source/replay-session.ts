@@ -1,6 +1,7 @@
 /** A stored run replayed by the service: moments asked for, snapshots told, and a scene of its own. */
 import { addressOf, socketAddress } from "../api/address";
 import type { MissionSnapshot, SceneChange, SceneView } from "../api/types";
+import type { PictureRequest } from "./source";
 
 interface Opened extends SceneView {
   /** A path of the service. */
@@ -25,12 +26,15 @@ export interface Replay {
   /** Asks for a moment [s]; while one is on its way only the latest is kept. */
   show(time: number): void;
   arrange(change: SceneChange): void;
+  /** Has the scene draw a picture of a moment; likewise, and before any moment that is asked for. */
+  takePicture(request: PictureRequest): void;
   close(): void;
 }
 
 export class ReplaySession implements Replay {
   private readonly socket: WebSocket;
   private wanted: number | null = null;
+  private picture: PictureRequest | null = null;
   private waiting = true;
   private refusal = "";
 
@@ -53,16 +57,26 @@ export class ReplaySession implements Replay {
     this.socket.send(JSON.stringify({ type: "arrange", ...change }));
   }
 
+  takePicture(request: PictureRequest): void {
+    this.picture = request;
+    this.ask();
+  }
+
   close(): void {
     this.socket.onclose = this.socket.onmessage = null;
     this.socket.close();
   }
 
   private ask(): void {
-    if (this.waiting || this.wanted === null) return;
+    if (this.waiting) return;
+    if (this.picture !== null) {
+      this.socket.send(JSON.stringify({ type: "picture", ...this.picture }));
+      this.picture = null;
+    } else if (this.wanted !== null) {
+      this.socket.send(JSON.stringify({ type: "show", time: this.wanted }));
+      this.wanted = null;
+    } else return;
     this.waiting = true;
-    this.socket.send(JSON.stringify({ type: "show", time: this.wanted }));
-    this.wanted = null;
   }
 
   private take(frame: Frame, events: ReplayEvents): void {

@@ -73,6 +73,17 @@ export interface SceneArrangement {
   change(change: SceneChange): Promise<void>;
 }
 
+/** A picture of the scene at a moment of a stored run. */
+export interface PictureRequest {
+  /** By which it is known again. */
+  readonly name: string;
+  /** Mission time, seconds. */
+  readonly time: number;
+  /** Pixels. */
+  readonly width: number;
+  readonly height: number;
+}
+
 export interface Source {
   /** Begins to tell the sink; the returned function ends it. */
   open(sink: Sink): () => void;
@@ -85,4 +96,6 @@ export interface Source {
   /** Moves the moment that is shown; null where that is always the present. */
   readonly playback: Playback | null;
   readonly scene: SceneArrangement;
+  /** Has the page of the scene draw a picture and post it (features/scene/picture.ts); null where only the present is to be seen. */
+  readonly takePicture: ((request: PictureRequest) => void) | null;
 }

@@ -28,6 +28,7 @@ const SOURCE: Source = {
   refresh: () => Promise.resolve(),
   readRange: () => Promise.resolve(null),
   playback: null,
+  takePicture: null,
   scene: { changeNeeds: null, read: () => Promise.reject(new Error("none")), change: () => Promise.resolve() },
 };
 

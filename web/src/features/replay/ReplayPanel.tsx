@@ -6,11 +6,11 @@ import styles from "./ReplayPanel.module.css";
 import { Transport } from "./Transport";
 
 export function ReplayPanel() {
-  const { playback } = useStore().source;
+  const { playback, takePicture } = useStore().source;
   return (
     <section className={styles.replay} aria-label="Replay in the scene">
       <ScenePanel />
-      {playback !== null && <Transport playback={playback} />}
+      {playback !== null && <Transport playback={playback} takePicture={takePicture} />}
       <Readings label="At this moment" />
     </section>
   );

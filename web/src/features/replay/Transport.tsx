@@ -2,16 +2,19 @@
 import { ActionIcon, Button, Slider } from "@mantine/core";
 import { useEffect, useSyncExternalStore } from "react";
 import { SPEEDS, type Playback } from "../../source/playback";
+import type { Source } from "../../source/source";
 import { keepMoment } from "../../store/moment";
 import { Choice } from "../../ui/Choice";
 import { CopyButton } from "../../ui/CopyButton";
 import { Icon } from "../../ui/theme/Icon";
 import { clock } from "../../units/units";
+import { PictureMenu } from "./PictureMenu";
 import styles from "./ReplayPanel.module.css";
 
-/** Moves the playback with the browser's frames. */
-function useFrames(playback: Playback): void {
+/** Moves the playback with the browser's frames, while it plays. */
+function useFrames(playback: Playback, playing: boolean): void {
   useEffect(() => {
+    if (!playing) return undefined;
     let before = performance.now();
     let request = 0;
     const frame = (now: number): void => {
@@ -23,7 +26,7 @@ function useFrames(playback: Playback): void {
     return () => {
       cancelAnimationFrame(request);
     };
-  }, [playback]);
+  }, [playback, playing]);
 }
 
 function Step({ playback, ticks, label, icon }: { readonly playback: Playback; readonly ticks: number; readonly label: string; readonly icon: "back" | "step" }) {
@@ -34,9 +37,9 @@ function Step({ playback, ticks, label, icon }: { readonly playback: Playback; r
   );
 }
 
-export function Transport({ playback }: { readonly playback: Playback }) {
+export function Transport({ playback, takePicture }: { readonly playback: Playback; readonly takePicture: Source["takePicture"] }) {
   const { time, playing, speed, end } = useSyncExternalStore(playback.subscribe, playback.read);
-  useFrames(playback);
+  useFrames(playback, playing);
   return (
     <div className={styles.transport} role="group" aria-label="Replay">
       <Button size="compact-sm" leftSection={<Icon icon={playing ? "pause" : "play"} />} onClick={() => { if (playing) playback.pause(); else playback.play(); }}>
@@ -68,6 +71,7 @@ export function Transport({ playback }: { readonly playback: Playback }) {
         data={SPEEDS.map((value) => ({ value: String(value), label: `${value} ×` }))}
         onChange={(value) => { playback.setSpeed(Number(value)); }}
       />
+      {takePicture !== null && <PictureMenu playback={playback} takePicture={takePicture} />}
       <CopyButton label="Copy link" title="Copy the address of this moment, with the stretch that the plots show" text={() => { keepMoment({ time }); return location.href; }} />
     </div>
   );
