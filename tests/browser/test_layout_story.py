@@ -26,8 +26,51 @@ def test_the_page_is_laid_out_and_shared_by_its_address(console: Page, service: 
     console.get_by_role("button", name="View: Wall").click()
     console.get_by_text("Everything", exact=True).click()
     expect(console.get_by_role("button", name="Capture", exact=True)).to_be_visible()
-    console.get_by_role("button", name="Usual sizes").click()
+    console.get_by_role("button", name="Usual layout").click()
     expect(divider).to_have_attribute("aria-valuenow", "296")
+
+
+def _panels(page: Page, column: str) -> list[str]:
+    return page.locator(f"[data-column={column}] [data-panel]").evaluate_all(
+        "all => all.map(({dataset}) => dataset.panel)"
+    )
+
+
+def test_panels_are_moved_by_keys_and_mouse_and_keep_what_was_typed(console: Page, service: Service) -> None:
+    console.get_by_role("textbox", name="Search events").fill("kept")
+    handle = console.get_by_role("button", name="Move the panel Events")
+    handle.press("ArrowUp")
+    expect(handle).to_be_focused()
+    handle.press("ArrowLeft")
+    assert _panels(console, "see") == ["events"]
+    expect(console.get_by_role("textbox", name="Search events")).to_have_value("kept")
+    console.reload()
+    expect(handle).to_be_visible()
+    assert _panels(console, "see") == ["events"]  # kept
+
+    problems = console.get_by_role("button", name="Move the panel Problems").bounding_box()
+    commands = console.locator(
+        "section", has=console.get_by_role("heading", name="Commands", exact=True)
+    ).bounding_box()
+    assert problems is not None
+    assert commands is not None
+    console.mouse.move(problems["x"] + 5, problems["y"] + 8)
+    console.mouse.down()
+    console.mouse.move(commands["x"] + 40, commands["y"] + 2, steps=4)
+    console.screenshot(path=ARTIFACTS / "moving.png")
+    console.mouse.up()
+    assert _panels(console, "act") == ["problems", "commands", "parameters"]
+    other = console.context.new_page()
+    other.goto(f"{service.address}/#/mission?panels=outcome_commands_events.problems")
+    expect(other.get_by_role("button", name="Move the panel Events")).to_be_visible()
+    assert [_panels(other, column) for column in ("act", "see", "know")] == [
+        ["outcome", "parameters"],
+        ["commands"],
+        ["events", "problems", "rehearsal"],
+    ]
+    other.get_by_role("button", name="View: Everything").click()
+    other.get_by_role("button", name="Usual layout").click()
+    expect(other.locator("[data-column=see] [data-panel]")).to_have_count(0)
 
 
 def test_an_apply_is_taken_back_and_its_events_are_found(console: Page, service: Service) -> None:

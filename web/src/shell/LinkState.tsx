@@ -15,13 +15,13 @@ function recorderWords(health: Health | null): string {
 
 /** What a person who asks for more is told. */
 function usePunctuality(): string {
-  const lateness = useSnapshot((snapshot) => snapshot.plant.lateness) ?? 0;
-  const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
+  const lateness = useSnapshot((snapshot) => fixed(snapshot.plant.lateness * 1000, 1)) ?? "0.0";
+  const factor = useSnapshot((snapshot) => fixed(snapshot.plant.real_time_factor, 2)) ?? "0.00";
   const answer = useView((view) => view.answerTime);
   const health = useView((view) => view.health);
   const parts = [
-    `Worst lateness of a control tick in the last second: ${fixed(lateness * 1000, 2)} ms.`,
-    `The mission runs at ${fixed(factor, 2)} times real time.`,
+    `Worst lateness of a control tick in the last second: ${lateness} ms.`,
+    `The mission runs at ${factor} times real time.`,
     answer === null ? "The service does not answer." : `The service answers within ${fixed(answer, 0)} ms.`,
     recorderWords(health),
     `Becalm ${health?.version ?? ""}`,
@@ -41,12 +41,12 @@ function useFreshness(): Freshness {
   const robotAge = useView((view) => view.robotAge);
   const silent = useSnapshot((snapshot) => (snapshot.robot?.silent_for ?? 0) > 0.5) ?? false;
   const stream = useSnapshot((snapshot) => snapshot.robot?.stream) ?? "";
-  const lateness = useSnapshot((snapshot) => snapshot.plant.lateness) ?? 0;
+  const lateness = useSnapshot((snapshot) => fixed(snapshot.plant.lateness * 1000, 1)) ?? "0.0";
   const unrecorded = useView((view) => typeof view.health?.recorder_failure === "string");
   if (trust === "stale") return { word: WORDS.stale, detail: `${duration(age / 1000)} old` };
   if (trust !== "live") return { word: WORDS[trust], detail: "" };
   if (robotAge > 0) return { word: "Service live", detail: `${silent ? "robot silent" : `${stream} silent`} for ${duration(robotAge / 1000)}` };
-  return { word: WORDS.live, detail: unrecorded ? "not recorded" : `ticks up to ${fixed(lateness * 1000, 1)} ms late` };
+  return { word: WORDS.live, detail: unrecorded ? "not recorded" : `ticks up to ${lateness} ms late` };
 }
 
 export function LinkState() {

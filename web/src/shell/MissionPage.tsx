@@ -1,5 +1,5 @@
 /** The live mission: act on the left, see in the middle, know on the right. */
-import { useRef, type CSSProperties, type ReactNode } from "react";
+import { useMemo, useRef, type CSSProperties, type ReactNode } from "react";
 import { CommandPanel } from "../features/commands/CommandPanel";
 import { EventLog } from "../features/events/EventLog";
 import { ProblemList } from "../features/events/ProblemList";
@@ -15,6 +15,8 @@ import { ScenePanel } from "../features/scene/ScenePanel";
 import { Divider } from "../ui/Divider";
 import { BOUNDS, useLayout, withSize, type Layout, type Size } from "./layout";
 import styles from "./MissionPage.module.css";
+import { arrangementOf, moved, textOf, type PanelName, type Place } from "./panels/arrangement";
+import { PanelPlace, Panels, useHosts } from "./panels/Panels";
 
 /** What is not chosen is laid out by the style sheet. */
 function variablesOf({ left, right, plots }: Layout): CSSProperties {
@@ -50,6 +52,15 @@ function Between({ size, layout, onLayout, measured }: { readonly size: Size; re
   );
 }
 
+const PANELS: Readonly<Record<PanelName, ReactNode>> = {
+  commands: <CommandPanel />,
+  parameters: <ParameterPanel beside={<RehearseButton />} />,
+  outcome: <RunPanel />,
+  problems: <ProblemList />,
+  rehearsal: <RehearsalPanel />,
+  events: <EventLog />,
+};
+
 function Columns({ layout, onLayout, children }: { readonly layout: Layout; readonly onLayout: (layout: Layout) => void; readonly children: ReactNode }) {
   const main = useRef<HTMLElement>(null);
   const see = useRef<HTMLDivElement>(null);
@@ -57,25 +68,26 @@ function Columns({ layout, onLayout, children }: { readonly layout: Layout; read
     const box = main.current?.getBoundingClientRect();
     return box && new DOMRect(box.x + 8, box.y, box.width - 16, box.height);
   };
+  const arrangement = useMemo(() => arrangementOf(layout.panels), [layout.panels]);
+  const hosts = useHosts();
+  const move = (name: PanelName, place: Place): void => { onLayout({ ...layout, panels: textOf(moved(arrangement, name, place)) }); };
   return (
     <main ref={main} className={styles.main} style={variablesOf(layout)} hidden={layout.view === "wall"}>
-      <div className={styles.act}>
-        <CommandPanel />
-        <ParameterPanel beside={<RehearseButton />} />
+      <div className={styles.act} data-column="act">
+        <PanelPlace column="act" hosts={hosts} arrangement={arrangement} className={styles.column} />
       </div>
       <Between size="left" layout={layout} onLayout={onLayout} measured={inner} />
-      <div ref={see} className={styles.see}>
+      <div ref={see} className={styles.see} data-column="see">
         <ScenePanel />
         <Between size="plots" layout={layout} onLayout={onLayout} measured={() => see.current?.getBoundingClientRect()} />
         {children}
+        <PanelPlace column="see" hosts={hosts} arrangement={arrangement} className={styles.below} />
       </div>
       <Between size="right" layout={layout} onLayout={onLayout} measured={inner} />
-      <div className={styles.know}>
-        <RunPanel />
-        <ProblemList />
-        <RehearsalPanel />
-        <EventLog />
+      <div className={styles.know} data-column="know">
+        <PanelPlace column="know" hosts={hosts} arrangement={arrangement} className={styles.column} />
       </div>
+      <Panels hosts={hosts} panels={PANELS} arrangement={arrangement} onMove={move} />
     </main>
   );
 }

@@ -58,7 +58,7 @@ function Pages({ page, item, other }: Route) {
       </Boundary>
       <Boundary what="The studies page">
         <Later shown={page === "studies"}>
-          <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} />
+          <StudiesPage shown={page === "studies"} item={page === "studies" ? item : ""} other={page === "studies" ? other : ""} />
         </Later>
       </Boundary>
       <Boundary what="The atlas page">

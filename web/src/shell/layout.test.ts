@@ -3,9 +3,12 @@ import { addressOf, DEFAULT_LAYOUT, layoutOf, readLayout, withSize } from "./lay
 
 describe("a layout", () => {
   it("is shared as an address", () => {
-    const layout = { view: "plots", left: 340, right: null, plots: 60 } as const;
+    const layout = { ...DEFAULT_LAYOUT, view: "plots", left: 340, plots: 60 } as const;
     expect(addressOf(layout)).toBe("#/mission?view=plots&left=340&plots=60");
     expect(layoutOf(addressOf(layout))).toEqual(layout);
+    const moved = { ...layout, panels: "events.commands_parameters_outcome.problems.rehearsal" };
+    expect(addressOf(moved)).toBe(`${addressOf(layout)}&panels=${moved.panels}`);
+    expect(layoutOf(addressOf(moved))).toEqual(moved);
   });
 
   it("is asked for by the mission's address only", () => {
@@ -15,7 +18,7 @@ describe("a layout", () => {
   });
 
   it("keeps every panel of use, whatever was asked for or kept", () => {
-    expect(layoutOf("#/mission?view=cinema&left=5&right=9999&plots=half")).toEqual({ view: "all", left: 240, right: 720, plots: null });
+    expect(layoutOf("#/mission?view=cinema&left=5&right=9999&plots=half")).toEqual({ ...DEFAULT_LAYOUT, left: 240, right: 720 });
     expect(readLayout("wall")).toEqual(DEFAULT_LAYOUT);
     expect(readLayout({ view: "wall", left: "wide" })).toEqual({ ...DEFAULT_LAYOUT, view: "wall" });
     expect(withSize(DEFAULT_LAYOUT, "plots", 99).plots).toBe(85);

@@ -1,5 +1,6 @@
 /** A titled region of the page. */
-import { useId, type ReactNode } from "react";
+import { use, useId, type ReactNode } from "react";
+import { PanelHandleContext } from "./panel-handle";
 import styles from "./Panel.module.css";
 
 interface PanelProps {
@@ -17,12 +18,16 @@ interface PanelProps {
 
 export function Panel({ title, aside, grow = false, tall = false, dated, children }: PanelProps) {
   const id = useId();
+  const handle = use(PanelHandleContext);
   return (
     <section className={styles.panel} aria-labelledby={id} data-grow={grow || undefined} data-tall={tall || undefined}>
       <header className={styles.head}>
-        <h2 id={id} className={styles.title}>
-          {title}
-        </h2>
+        <div className={styles.name}>
+          {handle}
+          <h2 id={id} className={styles.title}>
+            {title}
+          </h2>
+        </div>
         {aside}
       </header>
       <div className={styles.body} data-dated={dated}>
