@@ -49,6 +49,22 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     assert "three dampings: outcome" in words
     assert "configuration published · 3 cells" in words
 
+    console.get_by_text("Each parameter", exact=True).click()
+    alone = console.get_by_role("img", name="outcome over impedance damping [N·s/m]")
+    expect(alone.locator("title")).to_have_count(3)
+    other = service.ask("/studies", {"study": {"name": "the other", "grid": {"published.impedance.damping": [3.0]}}})[
+        "id"
+    ]
+    console.get_by_role("link", name="Compare: the other").click()
+    expect(console).to_have_url(re.compile(f"#/studies/{study}/{other}$"))
+    expect(console.get_by_role("region", name="Study the other")).to_be_visible()
+    expect(console.get_by_role("heading", name="Comparison")).to_be_visible()
+    console.get_by_role("link", name="End comparison").click()
+    console.get_by_text("Map", exact=True).click()
+    with console.expect_download() as report:
+        console.get_by_role("link", name="Download the report of this study as PDF").click()
+    assert report.value.path().read_bytes().startswith(b"%PDF")
+
     console.locator("[data-cell='1']").click()
     chosen = next(row for row in rows if row["cell"] == 1)
     cell = console.locator("section", has=console.get_by_role("heading", name="Cell 1"))

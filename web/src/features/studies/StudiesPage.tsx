@@ -4,7 +4,8 @@ import { useState } from "react";
 import { ConfirmButton } from "../../ui/ConfirmButton";
 import { EmptyPage } from "../../ui/EmptyPage";
 import { Panel } from "../../ui/Panel";
-import { go } from "../../store/route";
+import { useKept } from "../../ui/use-kept";
+import { go, hashOf } from "../../store/route";
 import { useAction } from "../../api/use-action";
 import { cancelStudy, deleteStudy, resumeStudy } from "../../api/service";
 import type { StudyDetail, StudySummary } from "../../api/types";
@@ -15,8 +16,11 @@ import { CellPanel } from "./CellPanel";
 import { NewStudy } from "./NewStudy";
 import styles from "./StudiesPage.module.css";
 import { StudyResults } from "./StudyResults";
-import { StudyView } from "./StudyView";
-import { isUnderWay, useReadAgain, useStudies, useStudy } from "./use-study";
+import { commonRange } from "./comparison";
+import { rangeOf } from "./layout";
+import { PairPanel } from "./PairPanel";
+import { LOOKS, StudyView, usualColumn, type Look } from "./StudyView";
+import { isUnderWay, useReadAgain, useStudies, useStudy, type Rows } from "./use-study";
 import { span } from "./labels";
 
 function progressWords({ status, progress, note }: StudySummary): string {
@@ -29,14 +33,21 @@ function progressWords({ status, progress, note }: StudySummary): string {
   return `${status}, ${cells}${note === null ? "" : `: ${note}`}`;
 }
 
-function StudyItem({ study, chosen }: { readonly study: StudySummary; readonly chosen: boolean }) {
+/** @param open the study that is open @param other the one beside it */
+function StudyItem({ study, open, other }: { readonly study: StudySummary; readonly open: string; readonly other: string }) {
+  const [chosen, compared] = [study.id === open, study.id === other];
   return (
-    <li>
+    <li className={styles.entry}>
       <a className={styles.item} href={`#/studies/${study.id}`} aria-current={chosen ? "true" : undefined} data-status={study.status}>
         <strong>{study.name}</strong>
         <span>{progressWords(study)}</span>
         <Progress size={3} value={(100 * study.progress.done) / Math.max(1, study.progress.total)} aria-label={`Progress of ${study.name}`} />
       </a>
+      {open !== "" && !chosen && (
+        <a className={styles.compare} href={hashOf({ page: "studies", item: open, other: compared ? "" : study.id })} aria-current={compared ? "true" : undefined} aria-label={`${compared ? "Compared" : "Compare"}: ${study.name}`}>
+          {compared ? "Compared" : "Compare"}
+        </a>
+      )}
     </li>
   );
 }
@@ -73,9 +84,43 @@ const NO_STUDY = {
     "A study runs many captures with varied parameters and maps their results. Start with the paper's 484 cells: their map fills beside the published one, and every cell opens as a run in the scene.",
 };
 
-export function StudiesPage({ item, shown }: { readonly item: string; readonly shown: boolean }) {
+/** The study beside the one that is open. */
+function OtherHead({ study, open }: { readonly study: StudyDetail; readonly open: string }) {
+  return (
+    <header className={styles.head}>
+      <h2>{study.name}</h2>
+      <span role="status">{progressWords(study)}</span>
+      <span className={styles.spring} />
+      <a className={styles.compare} href={hashOf({ page: "studies", item: open })}>End comparison</a>
+    </header>
+  );
+}
+
+interface Shown {
+  readonly study: StudyDetail;
+  readonly rows: Rows;
+}
+
+/** One study, or two beside one another by one measure and one scale of colours. */
+function Views({ one, other, cell, onSelect, onChange }: { readonly one: Shown; readonly other: Shown | null; readonly cell: number | null; readonly onSelect: (cell: number) => void; readonly onChange: () => Promise<void> }) {
+  const [column, setColumn] = useState(usualColumn(one.study));
+  const [look, setLook] = useKept<Look>("becalm-study-look", "map", LOOKS);
+  const common = { column, onColumn: setColumn, look, onLook: setLook };
+  const span = other === null ? null : commonRange([rangeOf(one.rows.values(), column), rangeOf(other.rows.values(), column)]);
+  return (
+    <div className={styles.views} data-pair={other !== null || undefined}>
+      <StudyView {...one} {...common} span={span} selected={cell} onSelect={onSelect} head={<StudyHead study={one.study} onChange={onChange} />} />
+      {other !== null && (
+        <StudyView key={other.study.id} {...other} {...common} span={span} selected={null} onSelect={() => { go("studies", other.study.id); }} head={<OtherHead study={other.study} open={one.study.id} />} />
+      )}
+    </div>
+  );
+}
+
+export function StudiesPage({ item, other, shown }: { readonly item: string; readonly other: string; readonly shown: boolean }) {
   const { studies, unreadable, refusal, read } = useStudies(shown);
   const view = useStudy(shown ? item : "");
+  const beside = useStudy(shown && other !== item ? other : "");
   const [selection, setSelection] = useState<{ readonly study: string; readonly cell: number } | null>(null);
   const readAgain = useReadAgain();
   const study = view.study;
@@ -91,7 +136,7 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
           {read && studies.length === 0 && <p className={styles.hint}>No studies yet.</p>}
           <ul className={styles.list}>
             {studies.map((each) => (
-              <StudyItem key={each.id} study={each} chosen={each.id === item} />
+              <StudyItem key={each.id} study={each} open={item} other={other} />
             ))}
           </ul>
           {unreadable.map((each) => (
@@ -107,9 +152,10 @@ export function StudiesPage({ item, shown }: { readonly item: string; readonly s
         />
       ) : (
         <>
-          <StudyView key={study.id} study={study} rows={view.rows} selected={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} head={<StudyHead study={study} onChange={readAgain} />} />
+          <Views key={study.id} one={{ study, rows: view.rows }} other={beside.study && { study: beside.study, rows: beside.rows }} cell={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} onChange={readAgain} />
           <div className={styles.side}>
-            <StudyResults study={study} />
+            {beside.refusal !== null && <p className={styles.trouble} role="alert">{`${beside.refusal.message} ${beside.refusal.tip}`}</p>}
+            {beside.study === null ? <StudyResults study={study} /> : <PairPanel one={{ study, rows: view.rows }} other={{ study: beside.study, rows: beside.rows }} />}
             <CellPanel study={study} row={cell === null ? undefined : view.rows.get(cell)} />
           </div>
         </>

@@ -288,7 +288,7 @@ function MapPanel(props: PanelProps) {
 
 const legendWords = (names: readonly string[], compared: boolean): string[] => [...names.map((name) => classStyle(name).words), ...(compared ? ["differs from the paper"] : [])];
 
-function ClassLegend({ names, paper, compared, x, y, width }: { readonly names: readonly string[]; readonly paper: Paper; readonly compared: boolean; readonly x: number; readonly y: number; readonly width: number }) {
+export function ClassLegend({ names, paper, compared, x, y, width }: { readonly names: readonly string[]; readonly paper: Paper; readonly compared: boolean; readonly x: number; readonly y: number; readonly width: number }) {
   const texts = legendWords(names, compared);
   const places = legendPlaces(texts, width);
   return (

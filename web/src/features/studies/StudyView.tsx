@@ -1,5 +1,5 @@
 /** One study: its state, its map, and what may be done with it. */
-import { Switch, useMantineColorScheme } from "@mantine/core";
+import { SegmentedControl, Switch, useMantineColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useState, type ReactNode } from "react";
@@ -14,6 +14,7 @@ import { gridAxes, usualSpread, type Spread } from "./layout";
 import { publishedFor } from "./published";
 import styles from "./StudiesPage.module.css";
 import { columnTitle, StudyMap, type Paper } from "./StudyMap";
+import { StudyMarginals } from "./StudyMarginals";
 import { StudyScatter } from "./StudyScatter";
 import type { Rows } from "./use-study";
 
@@ -70,18 +71,30 @@ function AxisChoice({ study, spread, chosen, onSpread, onChosen }: {
   );
 }
 
+/** What a study is coloured by at first. */
+export const usualColumn = (study: StudyDetail): string => (study.agreement === null ? "outcome" : "at_first_closure");
+
+export const LOOKS = ["map", "alone"] as const;
+export type Look = (typeof LOOKS)[number];
+const LOOK_WORDS: Readonly<Record<Look, string>> = { map: "Map", alone: "Each parameter" };
+
 interface ViewProps {
   readonly study: StudyDetail;
   readonly rows: Rows;
+  readonly column: string;
+  readonly onColumn: (column: string) => void;
+  readonly look: Look;
+  readonly onLook: (look: Look) => void;
+  /** What the colours of numbers span, where two studies stand beside one another; null: what there is. */
+  readonly span: readonly [number, number] | null;
   readonly selected: number | null;
   readonly onSelect: (cell: number) => void;
   readonly head: ReactNode;
 }
 
-export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) {
+export function StudyView({ study, rows, column, onColumn, look, onLook, span, selected, onSelect, head }: ViewProps) {
   const { colorScheme } = useMantineColorScheme();
   const paper = PAPERS[colorScheme === "light" ? "light" : "dark"];
-  const [column, setColumn] = useState(study.agreement === null ? "outcome" : "at_first_closure");
   const [spread, setSpread] = useState(() => usualSpread(study));
   const [chosen, setChosen] = useState<ReadonlyMap<string, number>>(new Map());
   const [compare, setCompare] = useState(true);
@@ -91,14 +104,16 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
   const published = tables && spread ? publishedFor(tables, study, spread) : null;
   const beside = compare && CLASSES.includes(column) && column !== "caged" ? published : null;
   const frame = { width: Math.max(width, 1), height: Math.max(height, 1) };
-  const draw = (): string => figureOf({ study, rows, spread, drawn, chosen, column, published: beside });
+  const alone = look === "alone";
+  const draw = (): string => figureOf({ study, rows, spread, drawn, chosen, column, published: beside, alone });
   return (
     <section className={styles.view} aria-label={`Study ${study.name}`}>
       {head}
       <div className={styles.toolbar}>
-        <Choice aria-label="Colour by" value={column} data={columnsOf(study)} onChange={setColumn} />
-        {spread && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
-        {published && <Switch size="xs" label="show the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
+        <SegmentedControl aria-label="How the study is drawn" value={look} data={LOOKS.map((value) => ({ value, label: LOOK_WORDS[value] }))} onChange={onLook} />
+        <Choice aria-label="Colour by" value={column} data={columnsOf(study)} onChange={onColumn} />
+        {spread && !alone && <AxisChoice study={study} spread={spread} chosen={chosen} onSpread={setSpread} onChosen={setChosen} />}
+        {published && !alone && <Switch size="xs" label="show the paper's" checked={compare} onChange={(event) => { setCompare(event.currentTarget.checked); }} />}
         <span className={styles.spring} />
         <ExportMenu what="the map" name={`${fileName(study.name)}-${column}`} draw={draw} />
         <DownloadLink href={resultsAddress(study.id, "csv")} format="CSV" what="the table" />
@@ -107,9 +122,11 @@ export function StudyView({ study, rows, selected, onSelect, head }: ViewProps) 
         <DownloadLink href={studyReportAddress(study.id, "pdf")} format="PDF" label="Report, PDF" what="the report of this study" />
       </div>
       <div className={styles.picture}>
-        <div className={styles.holder} ref={holder}>
-          {spread ? (
-            <StudyMap study={study} rows={rows} spread={spread} chosen={chosen} column={column} published={beside} paper={paper} frame={frame} selected={selected} onSelect={onSelect} caption={null} />
+        <div className={styles.holder} ref={holder} data-scrolls={alone || undefined}>
+          {alone ? (
+            <StudyMarginals study={study} rows={rows} column={column} paper={paper} frame={frame} caption={null} span={span} />
+          ) : spread ? (
+            <StudyMap study={study} rows={rows} spread={spread} chosen={chosen} column={column} published={beside} paper={paper} frame={frame} selected={selected} onSelect={onSelect} span={span} caption={null} />
           ) : (
             drawn[0] && <StudyScatter study={study} rows={rows} x={drawn[0]} y={drawn[1] ?? null} column={column} paper={paper} frame={frame} selected={selected} onSelect={onSelect} caption={null} />
           )}

@@ -19,7 +19,7 @@ const study = (across: number, up: number): StudyDetail =>
 function figureOf(across: number, up: number, column: string): string {
   const of = study(across, up);
   const rows = new Map<number, StudyRow>(Array.from({ length: across * up }, (_, cell) => [cell, { cell, outcome: cell % 2 ? "ejection" : "base_collision", peak_tip_force: cell, error: null }]));
-  const props = { study: of, rows, spread: usualSpread(of), drawn: [], chosen: new Map<string, number>(), column, published: null };
+  const props = { study: of, rows, spread: usualSpread(of), drawn: [], chosen: new Map<string, number>(), column, published: null, alone: false };
   return renderToStaticMarkup(createElement(Figure, props));
 }
 

@@ -6,6 +6,7 @@ import type { StudyDetail } from "../../api/types";
 import type { Axis, Spread } from "./layout";
 import type { PublishedClasses } from "./published";
 import { columnTitle, StudyMap, type Caption, type Paper } from "./StudyMap";
+import { StudyMarginals } from "./StudyMarginals";
 import { StudyScatter } from "./StudyScatter";
 import type { Rows } from "./use-study";
 
@@ -22,6 +23,8 @@ export interface FigureProps {
   readonly chosen: ReadonlyMap<string, number>;
   readonly column: string;
   readonly published: PublishedClasses | null;
+  /** Over each parameter alone, in place of the map. */
+  readonly alone: boolean;
 }
 
 /** What stands above the figure: of which study it is, and of how much of it. */
@@ -38,6 +41,7 @@ export function captionOf({ study, column, spread, chosen }: FigureProps): Capti
 
 export function Figure(props: FigureProps): ReactNode {
   const { study, rows, spread, drawn, chosen, column, published } = props;
+  if (props.alone) return <StudyMarginals study={study} rows={rows} column={column} paper={WHITE} frame={FIGURE} caption={captionOf({ ...props, spread: null })} />;
   const common = { study, rows, column, paper: WHITE, frame: FIGURE, selected: null, onSelect: null, caption: captionOf(props) };
   if (spread !== null) return <StudyMap {...common} spread={spread} chosen={chosen} published={published} />;
   return drawn[0] ? <StudyScatter {...common} x={drawn[0]} y={drawn[1] ?? null} /> : null;
