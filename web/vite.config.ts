@@ -7,7 +7,7 @@ import { helpPages } from "./documentation.ts";
 
 const service = process.env["BECALM_URL"] ?? "http://127.0.0.1:8000";
 
-/** The API's own documentation page, `/docs`, loads Swagger UI from here instead of from a CDN. */
+/** The API's own documentation page, `/docs`, loads Swagger UI from here instead of from a CDN, and the console's looks. */
 function swaggerUi(): Plugin {
   const folder = dirname(createRequire(import.meta.url).resolve("swagger-ui-dist/package.json"));
   return {
@@ -17,6 +17,8 @@ function swaggerUi(): Plugin {
       for (const name of ["swagger-ui-bundle.js", "swagger-ui.css"]) {
         this.emitFile({ type: "asset", fileName: `swagger/${name}`, source: readFileSync(join(folder, name)) });
       }
+      const looks = ["src/ui/theme/tokens.css", "api-docs.css"].map((name) => readFileSync(name, "utf8")).join("\n");
+      this.emitFile({ type: "asset", fileName: "swagger/console.css", source: looks });
     },
   };
 }

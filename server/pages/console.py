@@ -9,7 +9,6 @@ from functools import lru_cache
 from pathlib import Path
 
 from fastapi import FastAPI
-from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
@@ -19,6 +18,7 @@ from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
 from server.access.headers import content_policy, inline_scripts
+from server.pages import api_page
 
 READING = ("GET", "HEAD")
 
@@ -94,16 +94,7 @@ def serve_console(app: FastAPI, static: Path = STATIC) -> None:
 
 
 async def _docs() -> HTMLResponse:
-    """From files of our own: it works offline. Relative to this page: it may lie under a path of another site."""
-    page = get_swagger_ui_html(
-        openapi_url="openapi.json",
-        title="Becalm API",
-        swagger_js_url="swagger/swagger-ui-bundle.js",
-        swagger_css_url="swagger/swagger-ui.css",
-        swagger_favicon_url="favicon.svg",
-    )
-    page.headers["Content-Security-Policy"] = _policy_of(bytes(page.body))
-    return page
+    return HTMLResponse(api_page.PAGE, headers={"Content-Security-Policy": _policy_of(api_page.PAGE)})
 
 
 def _policy_of(page: bytes) -> str:
