@@ -40,6 +40,10 @@ export function PrepareButton({ label, request, disabledReason = null }: Prepare
   const armed = useDeskView((view) => (view.armed !== null && isSame(view.armed.request, request) ? view.armed : null));
   const [answer, setAnswer] = useState<Answer | null>(null);
   const press = async (): Promise<void> => {
+    if (reason !== null) {
+      setAnswer({ order: request.command, verdict: "refused", words: reason, tip: "" });
+      return;
+    }
     const answered = await desk.press(request, cautionOf(RESET.withRobot ?? "", byService, lost));
     setAnswer(answered);
     if (answered.verdict === "accepted") go("mission");
@@ -49,7 +53,9 @@ export function PrepareButton({ label, request, disabledReason = null }: Prepare
       <Button
         variant="filled"
         {...(armed && ARMED_STYLE)}
-        disabled={reason !== null}
+        // Not `disabled`: data are late for a moment where a machine is busy, and a press then must not be lost unsaid.
+        data-disabled={reason !== null}
+        aria-disabled={reason !== null}
         title={reason ?? undefined}
         loading={waiting}
         aria-label={armed === null ? label : `Go: ${label}`}
