@@ -45,9 +45,9 @@ function recordingSink() {
 const emptyHistory = { run_id: "a", columns: [] as { name: string; unit: string }[], rows: [] as number[][] };
 
 /** As the service stamps them: by default as late as their mission time. */
-const snapshot = (tick: number, run_id = "a", service_time = tick / 1000) => ({ type: "snapshot", tick, time: tick / 1000, run_id, service_time });
+const snapshot = (tick: number, run_id = "a", service_time = tick / 1000, phase = "detumbling") => ({ type: "snapshot", tick, time: tick / 1000, run_id, service_time, phase });
 
-function opened() {
+function opened(isSeen: () => boolean = () => true) {
   const sockets: FakeSocket[] = [];
   const readHistory = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1]] }));
   const connect = (): Socket => {
@@ -58,7 +58,7 @@ function opened() {
   const readEvents = vi.fn((): Promise<MissionEvent[]> => Promise.resolve([]));
   const readTicks = vi.fn(() => Promise.resolve({ ...emptyHistory, rows: [[1], [2]] }));
   const recorded = recordingSink();
-  const source = new LiveSource({ connect, readHistory, readEvents, readTicks });
+  const source = new LiveSource({ connect, isSeen, readHistory, readEvents, readTicks });
   const end = source.open(recorded.sink);
   sockets[0]?.onopen?.();
   return { ...recorded, sockets, source, readHistory, readEvents, readTicks, end };
@@ -230,6 +230,38 @@ describe("a connection", () => {
     const { sockets } = opened();
     for (const tick of [7, 8, 8]) sockets[0]?.tell(snapshot(tick));
     expect(sockets[0]?.sent).toEqual([7, 8, 8].map((tick) => JSON.stringify({ type: "ack", tick })));
+  });
+});
+
+describe("the rate of snapshots", () => {
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "setInterval", "clearInterval", "performance"] });
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  const rates = (socket: FakeSocket | undefined): number[] => (socket?.sent ?? []).map((text) => JSON.parse(text) as { rate?: number }).flatMap(({ rate }) => rate ?? []);
+
+  it("is low while nothing moves, and full from the first motion on", () => {
+    const { sockets } = opened();
+    for (const [tick, phase] of [[1, "idle"], [2, "idle"], [3, "detumbling"], [4, "holding"], [5, "stopped"]] as const) sockets[0]?.tell(snapshot(tick, "a", tick, phase));
+    expect(rates(sockets[0])).toEqual([10, 60, 10]);
+  });
+
+  it("is lowest while nobody sees the page; what was left out then is read when somebody does", () => {
+    let seen = true;
+    const { sockets, readHistory } = opened(() => seen);
+    vi.advanceTimersByTime(1000);
+    sockets[0]?.tell(snapshot(10, "a", 1));
+    seen = false;
+    sockets[0]?.tell(snapshot(20, "a", 2));
+    sockets[0]?.tell(snapshot(2500, "a", 3));
+    expect(readHistory).not.toHaveBeenCalled();
+    seen = true;
+    sockets[0]?.tell(snapshot(2510, "a", 4));
+    expect(readHistory).toHaveBeenCalledExactlyOnceWith(20);
+    expect(rates(sockets[0])).toEqual([4, 60]);
   });
 });
 

@@ -8,8 +8,11 @@ import { samplesOfTable, type Sample } from "./quantities";
 import { readFinely } from "./read-finely";
 import type { CutOff, Range, SceneArrangement, Sink, Source } from "./source";
 
-/** Snapshots a second at most. */
+/** Snapshots a second at most; of a mission at rest, whose readings stand still; and to a page that nobody looks at. */
 const RATE = 60;
+const RATE_AT_REST = 10;
+const RATE_UNSEEN = 4;
+const AT_REST: ReadonlySet<string> = new Set(["idle", "stopped", "faulted"]);
 const SCENE = addressOf("/scene/");
 
 /** Milliseconds between two looks whether anything has come. */
@@ -56,6 +59,8 @@ export interface Socket {
 
 export interface LiveSourceOptions {
   readonly connect: () => Socket;
+  /** Whether anybody can see the page. */
+  readonly isSeen: () => boolean;
   readonly readHistory: typeof readHistory;
   readonly readEvents: typeof readEvents;
   readonly readTicks: typeof readTicks;
@@ -64,7 +69,7 @@ export interface LiveSourceOptions {
 /** The service's telemetry socket. */
 const connect = (): Socket => new WebSocket(socketAddress(`/api/v1/telemetry?rate=${RATE}`)) as Socket;
 
-const SERVICE: LiveSourceOptions = { connect, readHistory, readEvents, readTicks };
+const SERVICE: LiveSourceOptions = { connect, isSeen: () => !document.hidden, readHistory, readEvents, readTicks };
 
 export class LiveSource implements Source {
   readonly playback = null;
@@ -121,6 +126,8 @@ class Connection {
   /** Mission time of the newest snapshot; NaN before the first one of a connection. */
   lastTime = Number.NaN;
   private gapSince: number | null = null;
+  /** Snapshots a second that were asked for. */
+  private rate = RATE;
   private lastTick = -1;
   private lastBackfillAt = 0;
   /** Whether the library may know events that were not sent: of a page that joined late, or missed some. */
@@ -155,6 +162,7 @@ class Connection {
     this.silentChecks = 0;
     socket.onopen = () => {
       this.attempt = 0;
+      this.rate = RATE;
       this.lastTime = Number.NaN;
       this.shownUntil = -Infinity; // another service may have another clock
       this.coming = null;
@@ -187,6 +195,14 @@ class Connection {
     if (socket === null) return;
     socket.onopen = socket.onclose = socket.onmessage = null;
     socket.close();
+  }
+
+  /** Asks for as many snapshots as are of use. */
+  private askForRate(phase: string): void {
+    const wanted = this.options.isSeen() ? (AT_REST.has(phase) ? RATE_AT_REST : RATE) : RATE_UNSEEN;
+    if (wanted === this.rate) return;
+    this.rate = wanted;
+    this.socket?.send(JSON.stringify({ type: "rate", rate: wanted }));
   }
 
   private check(): void {
@@ -236,6 +252,7 @@ class Connection {
     this.sink.touches(snapshot.contacts);
     this.sink.snapshot(snapshot);
     this.rows += 1;
+    this.askForRate(snapshot.phase);
     this.noticeGap(snapshot);
     if (this.eventsMissing) this.askForEvents();
   }
@@ -286,11 +303,12 @@ class Connection {
 
   /** Dropped frames, a sleeping tab or a simulation much faster than real time leave holes that the history fills. */
   private noticeGap(snapshot: MissionSnapshot): void {
-    if (snapshot.time - this.lastTime > GAP) this.gapSince ??= this.lastTick;
+    const atRest = AT_REST.has(snapshot.phase);
+    if (snapshot.time - this.lastTime > GAP && !atRest) this.gapSince ??= this.lastTick;
     this.lastTime = snapshot.time;
     this.lastTick = snapshot.tick;
     const now = performance.now();
-    if (this.gapSince === null || now - this.lastBackfillAt < BACKFILL_PERIOD) return;
+    if (this.gapSince === null || now - this.lastBackfillAt < BACKFILL_PERIOD || !this.options.isSeen()) return;
     this.lastBackfillAt = now;
     const since = this.gapSince;
     const run = this.run;

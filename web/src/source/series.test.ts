@@ -1,4 +1,4 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 import { QUANTITY_NAMES, type QuantityName, type Sample } from "./quantities";
 import { Series } from "./series";
 
@@ -61,5 +61,24 @@ describe("the mission over time", () => {
     for (const tick of [50, 60]) waiting.append(sample(tick, { phase: 0 }));
     expect(flying.firstMotion).toBe(0.05);
     expect(waiting.firstMotion).toBe(0);
+  });
+
+  it("tells of its phases the same whether samples came one by one or were filled in", () => {
+    const grown = new Series();
+    const told = vi.fn();
+    const withdraw = grown.subscribe(told);
+    const samples = [0, 0, 1, 1, 2, 1].map((phase, place) => sample(10 * place, { phase }));
+    for (const each of samples) grown.append(each);
+    expect(told).toHaveBeenCalledTimes(samples.length);
+    expect(grown.phaseSpans().map(({ start, end }) => [start, end].map((time) => Math.round(1000 * time)))).toEqual([[0, 20], [20, 40], [40, 50], [50, 50]]);
+    const filled = new Series();
+    filled.merge(samples);
+    expect(filled.phaseSpans()).toEqual(grown.phaseSpans());
+    grown.merge([sample(25, { phase: 2 })]);
+    expect(grown.phaseSpans()).toHaveLength(6);
+    withdraw();
+    grown.clear();
+    expect(grown.phaseSpans()).toEqual([]);
+    expect(told).toHaveBeenCalledTimes(samples.length + 1);
   });
 });

@@ -9,24 +9,46 @@ export interface PhaseSpan {
   readonly end: number;
 }
 
+type Listener = () => void;
+
 type Columns = Readonly<Record<QuantityName, Float64Array>>;
 
 const newColumns = (capacity: number): Columns =>
   Object.fromEntries(QUANTITY_NAMES.map((name) => [name, new Float64Array(capacity)])) as Record<QuantityName, Float64Array>;
+
+/** Goes on with the phase of a later moment. */
+function lengthen(spans: { phase: Phase; start: number; end: number }[], { phase: number, time }: Pick<Sample, "phase" | "time">): void {
+  const phase = phaseOf(number);
+  const current = spans.at(-1);
+  if (current !== undefined) current.end = time;
+  if (current?.phase !== phase) spans.push({ phase, start: time, end: time });
+}
 
 export class Series {
   /** Grows with every change, so that a plot knows whether it has something new to draw. */
   version = 0;
   length = 0;
   private readonly columns: Columns;
+  private readonly listeners = new Set<Listener>();
+  /** The phases so far; null where they have to be found out again. */
+  private spans: { phase: Phase; start: number; end: number }[] | null = [];
 
   constructor(private readonly capacity = 16_384) {
     this.columns = newColumns(capacity);
   }
 
+  /** Calls at every change; the returned function ends it. */
+  readonly subscribe = (listener: Listener): (() => void) => {
+    this.listeners.add(listener);
+    return () => {
+      this.listeners.delete(listener);
+    };
+  };
+
   clear(): void {
     this.length = 0;
-    this.version += 1;
+    this.spans = [];
+    this.changed();
   }
 
   /** The newest tick, -1 if there is none. */
@@ -49,7 +71,8 @@ export class Series {
     if (this.length === this.capacity) this.thin();
     this.write(this.length, sample);
     this.length += 1;
-    this.version += 1;
+    if (this.spans !== null) lengthen(this.spans, sample);
+    this.changed();
   }
 
   /** Puts the samples of a history in the place of whatever lay between its first and last tick. */
@@ -65,7 +88,8 @@ export class Series {
       this.write(this.length, sample);
       this.length += 1;
     }
-    this.version += 1;
+    this.spans = null;
+    this.changed();
   }
 
   /** First row at or after that time. */
@@ -87,16 +111,17 @@ export class Series {
   }
 
   /** The phases so far, oldest first; each ends where the next begins. */
-  phaseSpans(): PhaseSpan[] {
-    const spans: { phase: Phase; start: number; end: number }[] = [];
-    for (let row = 0; row < this.length; row += 1) {
-      const phase = phaseOf(this.at("phase", row));
-      const time = this.at("time", row);
-      const current = spans.at(-1);
-      if (current !== undefined) current.end = time;
-      if (current?.phase !== phase) spans.push({ phase, start: time, end: time });
+  phaseSpans(): readonly PhaseSpan[] {
+    if (this.spans === null) {
+      this.spans = [];
+      for (let row = 0; row < this.length; row += 1) lengthen(this.spans, { phase: this.at("phase", row), time: this.at("time", row) });
     }
-    return spans;
+    return this.spans;
+  }
+
+  private changed(): void {
+    this.version += 1;
+    for (const listener of this.listeners) listener();
   }
 
   /** First row of a later tick; half ticks mark what is missing between two. */

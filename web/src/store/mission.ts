@@ -1,5 +1,6 @@
 /** What the console knows of a mission, live or stored: one immutable view for the panels, one series for the plots. */
 import type { Alarm, Health, MissionEvent, MissionSnapshot, Touch } from "../api/types";
+import { replaceEqualDeep } from "@tanstack/react-query";
 import { sampleOfSnapshot, type Sample } from "../source/quantities";
 import { Series } from "../source/series";
 import { ServiceClock } from "../source/service-clock";
@@ -8,7 +9,7 @@ import type { Config, CutOff, Link, ShownRun, Sink, Source } from "../source/sou
 /** Age at which what is shown counts as old, in milliseconds: since the service made it, not since it came. */
 export const STALE_AFTER = 500;
 /** The panels follow at this pace; plots read the series at theirs. Milliseconds. */
-const PUBLISH_PERIOD = 60;
+const PUBLISH_PERIOD = 100;
 const EVENTS_KEPT = 500;
 /** A browser that was itself held up has frames waiting; this many looks without one are silence. */
 const SILENT_CHECKS = 3;
@@ -116,7 +117,7 @@ export class MissionStore implements Sink {
     if (this.clock.age(snapshot.service_time, now) <= STALE_AFTER) this.silentChecks = 0;
     this.series.append(sampleOfSnapshot(snapshot));
     const before = this.pending.snapshot ?? this.view.snapshot;
-    const changed = before?.phase !== snapshot.phase || before.outcome !== snapshot.outcome;
+    const changed = before?.phase !== snapshot.phase || (before.outcome === null) !== (snapshot.outcome === null);
     // Nobody looks at the clock of a stored run, which would publish what waits.
     this.change({ snapshot }, changed || this.view.trust !== "live" || this.view.link.state === "stored");
   }
@@ -196,12 +197,21 @@ export class MissionStore implements Sink {
   }
 
   private publish(): void {
-    const next = this.judged({ ...this.view, ...this.pending });
+    const next = this.judged({ ...this.view, ...this.pending, ...this.shared() });
     this.pending = {};
     this.publishedAt = this.now();
     if (same(next, this.view)) return;
     this.view = next;
     for (const listener of this.listeners) listener();
+  }
+
+  /** What is news, made of the objects of before wherever nothing in them has changed: panels of them are not drawn again. */
+  private shared(): Partial<MissionView> {
+    const { snapshot, touches } = this.pending;
+    return {
+      ...(snapshot && { snapshot: replaceEqualDeep(this.view.snapshot, snapshot) }),
+      ...(touches && { touches: replaceEqualDeep(this.view.touches, touches) }),
+    };
   }
 
   private judged(view: MissionView): MissionView {

@@ -16,12 +16,30 @@ function backRefusal(running: boolean, tick: number): string | null {
   return tick < 2 ? "There is nothing to go back to." : null;
 }
 
+/** How fast it goes: drawn by itself, as it changes all the time. */
+function Pace() {
+  const words = useView(({ trust, snapshot }) => {
+    if (trust !== "live" || snapshot === null) return "";
+    return snapshot.plant.running ? `running at ${fixed(snapshot.plant.real_time_factor, 2)} ×` : "paused";
+  });
+  return (
+    <h3>
+      Simulation <span>{words}</span>
+    </h3>
+  );
+}
+
+/** While the clock runs it does not matter at which tick it is. */
+function BackButton({ ticks }: { readonly ticks: number }) {
+  const running = useSnapshot((snapshot) => snapshot.plant.running) ?? false;
+  const tick = useSnapshot((snapshot) => (snapshot.plant.running ? 0 : snapshot.tick)) ?? 0;
+  return <CommandButton words={BACK} icon="back" request={{ tick: Math.max(1, tick + 1 - ticks) }} disabledReason={backRefusal(running, tick)} />;
+}
+
 export function SimulationControls() {
   const desk = useDesk();
   const running = useSnapshot((snapshot) => snapshot.plant.running) ?? false;
   const speed = useSnapshot((snapshot) => snapshot.plant.speed) ?? 1;
-  const factor = useSnapshot((snapshot) => snapshot.plant.real_time_factor) ?? 0;
-  const tick = useSnapshot((snapshot) => snapshot.tick) ?? 0;
   const untrusted = useView((view) => (view.trust === "live" ? null : reasonAgainst(view, "run")));
   const byWho = useReasonAgainstCommanding();
   const [chosen, setChosen] = useState<string | null>(null);
@@ -40,9 +58,7 @@ export function SimulationControls() {
 
   return (
     <div className={styles.simulation}>
-      <h3>
-        Simulation <span>{untrusted === null && (running ? `running at ${fixed(factor, 2)} ×` : "paused")}</span>
-      </h3>
+      <Pace />
       {running ? (
         <CommandButton words={PAUSE} icon="pause" />
       ) : (
@@ -57,7 +73,7 @@ export function SimulationControls() {
         onChange={choose}
       />
       <div className={styles.steps}>
-        <CommandButton words={BACK} icon="back" request={{ tick: Math.max(1, tick + 1 - Number(ticks)) }} disabledReason={backRefusal(running, tick)} />
+        <BackButton ticks={Number(ticks)} />
         <CommandButton words={STEP} icon="step" request={{ ticks: Number(ticks) }} />
       </div>
       <Choice

@@ -1,6 +1,11 @@
-import type { ReactNode } from "react";
+import { memo, type ReactNode } from "react";
 import { Term } from "../glossary/Term";
 import styles from "./Cell.module.css";
+
+/** Drawn once: what stands below it changes ten times a second. */
+const Label = memo(function Label({ label, term }: { readonly label: string; readonly term: string | undefined }) {
+  return <div className={styles.label}>{term === undefined ? label : <Term term={term}>{label}</Term>}</div>;
+});
 
 interface CellProps {
   readonly label: string;
@@ -14,7 +19,7 @@ interface CellProps {
 export function Cell({ label, term, width, children }: CellProps) {
   return (
     <div className={styles.cell} style={{ width }} role="group" aria-label={label}>
-      <div className={styles.label}>{term === undefined ? label : <Term term={term}>{label}</Term>}</div>
+      <Label label={label} term={term} />
       {children}
     </div>
   );

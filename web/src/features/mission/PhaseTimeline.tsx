@@ -1,5 +1,6 @@
 /** The sequence from idle to holding: what is done, what failed or was skipped, what is under way, what will come. */
 import { Tooltip } from "@mantine/core";
+import { memo } from "react";
 import type { MissionSnapshot } from "../../api/types";
 import { useSnapshot } from "../../store/context";
 import { isPhase, PHASE_WORDS, type Phase } from "../../source/phases";
@@ -17,7 +18,7 @@ function iconOf({ phase, state }: Stage): IconName | null {
   return ENDED[state] ?? null;
 }
 
-function StageItem({ stage, activity }: { readonly stage: Stage; readonly activity: string }) {
+const StageItem = memo(function StageItem({ stage, activity }: { readonly stage: Stage; readonly activity: string }) {
   const icon = iconOf(stage);
   const detail = stage.state === "now" && activity !== "none" ? activity : null;
   return (
@@ -35,7 +36,7 @@ function StageItem({ stage, activity }: { readonly stage: Stage; readonly activi
       </li>
     </Tooltip>
   );
-}
+});
 
 export function PhaseTimeline() {
   const stages = useSnapshot((snapshot) => snapshot.stages) ?? [];

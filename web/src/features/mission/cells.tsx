@@ -113,15 +113,19 @@ function ReasonList({ reasons }: { readonly reasons: readonly Reason[] }) {
   );
 }
 
+/** As one text: numbers behind the words change all the time, the words seldom. */
+const reasonsText = (readiness: Readiness): string => JSON.stringify(reasonsOf(readiness));
+
 export function NextCell() {
-  const readiness = useSnapshot((snapshot) => snapshot.readiness);
-  const reasons: readonly Reason[] = readiness === null ? [] : reasonsOf(readiness);
-  const go = readiness?.go ?? false;
+  const next = useSnapshot(({ readiness }) => readiness.next.replaceAll("_", " "));
+  const verdict = useSnapshot(({ readiness }) => goWords(readiness));
+  const go = useSnapshot(({ readiness }) => readiness.go) ?? false;
+  const reasons = JSON.parse(useSnapshot(({ readiness }) => reasonsText(readiness)) ?? "[]") as readonly Reason[];
   return (
-    <Cell label={`Next: ${readiness?.next.replaceAll("_", " ") ?? "—"}`} term="next_phase" width={236}>
+    <Cell label={`Next: ${next ?? "—"}`} term="next_phase" width={236}>
       <div className={styles.go} data-go={go || undefined}>
-        {readiness && <Icon icon={go ? "check" : "bar"} size={16} />}
-        {readiness ? goWords(readiness) : "—"}
+        {verdict !== null && <Icon icon={go ? "check" : "bar"} size={16} />}
+        {verdict ?? "—"}
       </div>
       <Tooltip label={<ReasonList reasons={reasons} />} w={320} disabled={reasons.length === 0} position="bottom-end">
         <ul className={styles.reasons} tabIndex={reasons.length === 0 ? undefined : 0}>

@@ -15,6 +15,7 @@ import { figureOf, type FigureSource } from "./figure-of";
 import type { Placed } from "./prediction";
 import { unitOf, type Curve, type Known, type PlotDefinition } from "./plot-set";
 import { ExportMenu } from "../../ui/export/ExportMenu";
+import { write } from "./write";
 import styles from "./Plot.module.css";
 import type { Range } from "../../source/source";
 
@@ -80,19 +81,25 @@ function Readouts({ curves, values, others, comparing }: { readonly curves: read
   ));
 }
 
-/** Writes the values at a time into their elements. */
+/** Milliseconds between two readings of what goes by: quicker ones nobody reads, and each lays out the page. */
+const READING_PERIOD = 100;
+
+/** Writes the values at a time into their elements; null: of now, which goes by. */
 function useShowValues(definition: PlotDefinition, scale: Shown, values: Values, others: Values) {
   // A degree is some hundredth of a radian: as many digits, fewer of them decimals.
   const decimals = definition.as ? definition.decimals : Math.max(0, definition.decimals - Math.round(Math.log10(scale.factor)));
+  const readAt = useRef(-Infinity);
   return useCallback(
-    ({ series: drawn, whole, range, compared }: PlotFrame, time: number) => {
+    ({ series: drawn, whole, range, compared }: PlotFrame, asked: number | null) => {
+      const now = performance.now();
+      if (asked === null && now - readAt.current < READING_PERIOD) return;
+      readAt.current = now;
+      const time = asked ?? Infinity;
       const series = time >= range.from && time <= range.to ? drawn : whole;
       const row = Math.min(series.rowAt(time), series.length - 1);
       definition.curves.forEach(({ quantity }, index) => {
-        const element = values.current[index];
-        if (element) element.textContent = fixed(series.at(quantity, row) * scale.factor, decimals);
-        const other = others.current[index];
-        if (other && compared) other.textContent = fixed(comparedAt(compared, quantity, time) * scale.factor, decimals);
+        write(values.current[index], fixed(series.at(quantity, row) * scale.factor, decimals));
+        if (compared) write(others.current[index], fixed(comparedAt(compared, quantity, time) * scale.factor, decimals));
       });
     },
     [definition, scale, decimals, values, others],
@@ -173,7 +180,7 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
       const levels = definition.levels(frame.known).map(({ label, value }) => ({ label, value: value * scale.factor }));
       chart.draw(frame, { ...frame.decorations, levels, colours });
       const cursor = chart.cursorTime;
-      showValues(frame, cursor ?? frame.decorations.moment ?? Infinity);
+      showValues(frame, cursor ?? frame.decorations.moment);
       return cursor;
     });
     const observer = new ResizeObserver(() => {

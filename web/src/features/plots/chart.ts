@@ -10,6 +10,7 @@ import { drawPrediction } from "./fan";
 import { instantOfPeak } from "./peaks";
 import type { PlotDefinition } from "./plot-set";
 import { extentOf, type Placed } from "./prediction";
+import { scaledCurve } from "./scaled-curve";
 import { timeLabels } from "./timeview";
 import type { Range } from "../../source/source";
 
@@ -115,13 +116,7 @@ export class Chart {
   }
 
   private table(times: Float64Array, curves: readonly Float64Array[]): uPlot.AlignedData {
-    return [times, ...curves.map((curve) => this.scaledCurve(curve))] as uPlot.AlignedData;
-  }
-
-  /** Null where nothing was recorded: no line is drawn over it. */
-  private scaledCurve(values: Float64Array): (number | null)[] {
-    const { factor } = this.shown;
-    return Array.from(values, (value) => (Number.isFinite(value) ? value * factor : null));
+    return [times, ...curves.map((curve) => scaledCurve(curve, this.shown.factor))] as uPlot.AlignedData;
   }
 
   private options(colours: CanvasColours, place: HTMLElement, events: ChartEvents): uPlot.Options {

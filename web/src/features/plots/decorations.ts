@@ -1,5 +1,5 @@
 /** What a plot draws besides its curves: phases behind, touches and levels in front. */
-import type uPlot from "uplot";
+import uPlot from "uplot";
 import type { Touch } from "../../api/types";
 import type { Phase } from "../../source/phases";
 import type { PhaseSpan } from "../../source/series";
@@ -27,18 +27,14 @@ export interface Decorations {
 
 const FONT = "11px Inter, sans-serif";
 
-function scaled(plot: uPlot, font: string): string {
-  return font.replace("11px", `${11 * pixelRatio(plot)}px`);
-}
-
-const pixelRatio = (plot: uPlot): number => plot.bbox.width / Math.max(1, plot.over.clientWidth);
+const scaled = (font: string): string => font.replace("11px", `${11 * uPlot.pxRatio}px`);
 
 /** Behind the curves: each phase in its own shade, with its name where there is room. */
 export function drawPhases(plot: uPlot, { phases, colours }: Decorations): void {
   const { ctx, bbox } = plot;
-  const ratio = pixelRatio(plot);
+  const ratio = uPlot.pxRatio;
   ctx.save();
-  ctx.font = scaled(plot, FONT);
+  ctx.font = scaled(FONT);
   ctx.textAlign = "left";
   ctx.textBaseline = "top";
   for (const { phase, start, end } of phases) {
@@ -60,9 +56,9 @@ export function drawPhases(plot: uPlot, { phases, colours }: Decorations): void 
 /** In front: levels as dashed lines with their names. */
 export function drawLevels(plot: uPlot, { levels, colours }: Pick<Decorations, "levels" | "colours">): void {
   const { ctx, bbox } = plot;
-  const ratio = pixelRatio(plot);
+  const ratio = uPlot.pxRatio;
   ctx.save();
-  ctx.font = scaled(plot, FONT);
+  ctx.font = scaled(FONT);
   ctx.textAlign = "right";
   ctx.textBaseline = "bottom";
   ctx.lineWidth = ratio;
@@ -84,9 +80,9 @@ export function drawLevels(plot: uPlot, { levels, colours }: Pick<Decorations, "
 /** In front: the peak that was measured tick by tick within each touch, at its instant. */
 export function drawPeaks(plot: uPlot, { touches, colours }: Decorations, instants: readonly number[]): void {
   const { ctx, bbox } = plot;
-  const size = 4 * pixelRatio(plot);
+  const size = 4 * uPlot.pxRatio;
   ctx.save();
-  ctx.lineWidth = 1.5 * pixelRatio(plot);
+  ctx.lineWidth = 1.5 * uPlot.pxRatio;
   for (const [place, touch] of touches.entries()) {
     const x = plot.valToPos(instants[place] ?? touch.start, "x", true);
     if (x < bbox.left || x > bbox.left + bbox.width) continue;
@@ -132,13 +128,13 @@ const touchWords = ({ arm, planned }: Touch): string => `${arm === "left" ? "L" 
 /** In front: each touch as a bar along the bottom; where there is room with the letter of its hand, an unplanned one with an exclamation mark. */
 export function drawTouches(plot: uPlot, { touches, colours }: Decorations): void {
   const { ctx, bbox } = plot;
-  const ratio = pixelRatio(plot);
+  const ratio = uPlot.pxRatio;
   const bottom = bbox.top + bbox.height;
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
-  ctx.font = `600 ${scaled(plot, FONT)}`;
+  ctx.font = `600 ${scaled(FONT)}`;
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
   const labels = touches.map((touch) => ({
@@ -164,7 +160,7 @@ export function drawTouches(plot: uPlot, { touches, colours }: Decorations): voi
 export function drawMoment(plot: uPlot, { moment, colours }: Decorations): void {
   if (moment === null) return;
   const { ctx, bbox } = plot;
-  const ratio = pixelRatio(plot);
+  const ratio = uPlot.pxRatio;
   const x = plot.valToPos(moment, "x", true);
   if (x < bbox.left || x > bbox.left + bbox.width) return;
   ctx.save();

@@ -1,5 +1,4 @@
 import { describe, expect, it } from "vitest";
-import { Pace } from "./pace";
 import { chosen, FOLLOW, rangeOf, timeLabels, zoomedAbout } from "./timeview";
 
 describe("the stretch of time that is shown", () => {
@@ -28,16 +27,6 @@ describe("the stretch of time that is shown", () => {
   });
 });
 
-describe("the pace of drawing", () => {
-  it("is every frame while drawing is cheap, and rarer when it is not", () => {
-    const pace = new Pace();
-    pace.drew(0, 1);
-    expect(pace.due(16)).toBe(true);
-    for (let frame = 1; frame < 20; frame += 1) pace.drew(frame * 16, 12);
-    expect(pace.due(19 * 16 + 16)).toBe(false);
-    expect(pace.due(19 * 16 + 120)).toBe(true);
-  });
-});
 
 describe("the times of an axis", () => {
   it("say their unit, and are minutes and seconds from two minutes on", () => {

@@ -9,6 +9,7 @@ import { seriesFor, type Detail } from "./detail";
 import { Pace } from "./pace";
 import { placedIn, usePrediction, type Placed, type Prediction } from "./prediction";
 import type { DrawPlot, PlotFrame } from "./Plot";
+import { write } from "./write";
 import { rangeOf, type TimeView } from "./timeview";
 
 interface Drawing {
@@ -58,49 +59,92 @@ function frameOf(store: MissionStore, { view, details, comparison, prediction }:
 /** Seconds that are predicted ahead of now. */
 export const aheadOf = (placed: Placed | null, now: number): number => (placed === null ? 0 : placed.end - now);
 
+/** Phases in which nothing moves but the time axis. */
+const RESTS: ReadonlySet<string> = new Set(["idle", "stopped", "faulted"]);
+
+/** One drawing at a time, with a frame of the browser, while the place that it is for can be seen. */
+class Frames {
+  draw: (now: number) => void = () => undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private due = Infinity;
+  private request = 0;
+  private seen = true;
+  private missed = false;
+  private readonly observer: IntersectionObserver | null;
+
+  constructor(place: Element | null) {
+    this.observer = place && new IntersectionObserver((entries) => { this.look(entries.at(-1)?.isIntersecting ?? true); });
+    if (place) this.observer?.observe(place);
+  }
+
+  /** In so many milliseconds at the latest; asking costs nothing while a drawing is due sooner. */
+  ask(wait: number): void {
+    if (!this.seen) this.missed = true;
+    const due = performance.now() + wait;
+    if (!this.seen || this.request !== 0 || due >= this.due) return;
+    clearTimeout(this.timer);
+    this.due = due;
+    this.timer = setTimeout(() => {
+      this.request = requestAnimationFrame((now) => {
+        this.request = 0;
+        this.due = Infinity;
+        this.draw(now);
+      });
+    }, wait);
+  }
+
+  end(): void {
+    clearTimeout(this.timer);
+    cancelAnimationFrame(this.request);
+    this.observer?.disconnect();
+  }
+
+  private look(seen: boolean): void {
+    this.seen = seen;
+    if (!seen || !this.missed) return;
+    this.missed = false;
+    this.ask(0);
+  }
+}
+
 /** @param time shows the mission time under the cursor. */
 export function useDrawing(view: TimeView, details: Details, time: RefObject<HTMLElement | null>): Drawing {
   const store = useStore();
   const comparison = useComparison();
   const prediction = usePrediction();
   const draws = useRef(new Set<DrawPlot>());
-  const dirty = useRef(true);
+  const wanted = useRef<() => void>(() => undefined);
 
   useEffect(() => {
+    const frames = new Frames(time.current);
     const pace = new Pace();
-    const version = (): number => store.series.version + (comparison?.store.series.version ?? 0);
-    let drawn = -1;
-    let request = 0;
-    dirty.current = true;
-    const frame = (now: number): void => {
-      request = requestAnimationFrame(frame);
-      const news = version() !== drawn && view.pausedAt === null;
-      if (!(news || dirty.current) || !pace.due(now) || time.current?.checkVisibility() === false) return;
+    const atRest = (): boolean => comparison === null && store.source.playback === null && RESTS.has(store.read().snapshot?.phase ?? "");
+    frames.draw = (now) => {
       const begun = performance.now();
-      dirty.current = false;
-      drawn = version();
       const content = frameOf(store, { view, details, comparison, prediction });
       let moment: number | null = null;
       for (const draw of draws.current) moment = draw(content) ?? moment;
-      if (time.current) time.current.textContent = moment === null ? "" : `at ${clock(moment)}`;
+      write(time.current, moment === null ? "" : `at ${clock(moment)}`);
       pace.drew(now, performance.now() - begun);
     };
-    request = requestAnimationFrame(frame);
-    const withdraw = store.source.playback?.subscribe(() => {
-      dirty.current = true;
-    });
+    wanted.current = () => { frames.ask(pace.wait(performance.now(), false)); };
+    const news = (): void => {
+      if (view.pausedAt === null) frames.ask(pace.wait(performance.now(), atRest()));
+    };
+    const withdraw = [store.series.subscribe(news), comparison?.store.series.subscribe(news), store.source.playback?.subscribe(wanted.current)];
+    wanted.current();
     return () => {
-      withdraw?.();
-      cancelAnimationFrame(request);
+      for (const each of withdraw) each?.();
+      frames.end();
     };
   }, [store, view, details, time, comparison, prediction]);
 
   const touch = useCallback(() => {
-    dirty.current = true;
+    wanted.current();
   }, []);
   const register = useCallback((draw: DrawPlot) => {
     draws.current.add(draw);
-    dirty.current = true;
+    wanted.current();
     return () => {
       draws.current.delete(draw);
     };

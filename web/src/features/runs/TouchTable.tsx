@@ -1,3 +1,4 @@
+import { memo } from "react";
 import type { Touch } from "../../api/types";
 import { meaningOf } from "../glossary/glossary";
 import { Icon } from "../../ui/theme/Icon";
@@ -6,7 +7,7 @@ import styles from "./TouchTable.module.css";
 
 const NAMES = { left: "Left", right: "Right" } as const;
 
-function Row({ touch }: { readonly touch: Touch }) {
+const Row = memo(function Row({ touch }: { readonly touch: Touch }) {
   const lasts = touch.end === null ? "now" : duration(touch.end - touch.start, 2);
   return (
     <tr>
@@ -27,7 +28,7 @@ function Row({ touch }: { readonly touch: Touch }) {
       <td>{fixed(touch.peak, 3)} N</td>
     </tr>
   );
-}
+});
 
 /** Every touch so far: which hand, when, how long, how hard. */
 export function TouchTable({ touches }: { readonly touches: readonly Touch[] }) {
