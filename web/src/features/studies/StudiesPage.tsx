@@ -1,6 +1,6 @@
 /** Studies: start one, watch its map fill, and open what stands in it. */
 import { Progress } from "@mantine/core";
-import { useState } from "react";
+import { useCallback, useState } from "react";
 import { ConfirmButton } from "../../ui/ConfirmButton";
 import { EmptyPage } from "../../ui/EmptyPage";
 import { Panel } from "../../ui/Panel";
@@ -106,12 +106,14 @@ function Views({ one, other, cell, onSelect, onChange }: { readonly one: Shown; 
   const [column, setColumn] = useState(usualColumn(one.study));
   const [look, setLook] = useKept<Look>("becalm-study-look", "map", LOOKS);
   const common = { column, onColumn: setColumn, look, onLook: setLook };
+  const otherId = other?.study.id ?? "";
+  const openOther = useCallback(() => { go("studies", otherId); }, [otherId]);
   const span = other === null ? null : commonRange([rangeOf(one.rows.values(), column), rangeOf(other.rows.values(), column)]);
   return (
     <div className={styles.views} data-pair={other !== null || undefined}>
       <StudyView {...one} {...common} span={span} selected={cell} onSelect={onSelect} head={<StudyHead study={one.study} onChange={onChange} />} />
       {other !== null && (
-        <StudyView key={other.study.id} {...other} {...common} span={span} selected={null} onSelect={() => { go("studies", other.study.id); }} head={<OtherHead study={other.study} open={one.study.id} />} />
+        <StudyView key={other.study.id} {...other} {...common} span={span} selected={null} onSelect={openOther} head={<OtherHead study={other.study} open={one.study.id} />} />
       )}
     </div>
   );
@@ -127,6 +129,8 @@ export function StudiesPage({ item, other, shown }: { readonly item: string; rea
   const missing = item === "" ? null : view.refusal;
   const empty = item === "" || missing !== null ? NO_STUDY : { title: "Loading the study", words: "" };
   const cell = selection?.study === item ? selection.cell : null;
+  // The same from drawing to drawing: the thousands of cells of a map are drawn again by what is new to them.
+  const select = useCallback((chosen: number) => { setSelection({ study: item, cell: chosen }); }, [item]);
   return (
     <main className={styles.page} hidden={!shown}>
       <div className={styles.side}>
@@ -152,7 +156,7 @@ export function StudiesPage({ item, other, shown }: { readonly item: string; rea
         />
       ) : (
         <>
-          <Views key={study.id} one={{ study, rows: view.rows }} other={beside.study && { study: beside.study, rows: beside.rows }} cell={cell} onSelect={(chosen) => { setSelection({ study: item, cell: chosen }); }} onChange={readAgain} />
+          <Views key={study.id} one={{ study, rows: view.rows }} other={beside.study && { study: beside.study, rows: beside.rows }} cell={cell} onSelect={select} onChange={readAgain} />
           <div className={styles.side}>
             {beside.refusal !== null && <p className={styles.trouble} role="alert">{`${beside.refusal.message} ${beside.refusal.tip}`}</p>}
             {beside.study === null ? <StudyResults study={study} /> : <PairPanel one={{ study, rows: view.rows }} other={{ study: beside.study, rows: beside.rows }} />}
