@@ -116,7 +116,7 @@ export function useDrawing(view: TimeView, details: Details, time: RefObject<HTM
   const wanted = useRef<() => void>(() => undefined);
 
   useEffect(() => {
-    const frames = new Frames(time.current);
+    const frames = new Frames(time.current?.closest("section") ?? null);
     const pace = new Pace();
     const atRest = (): boolean => comparison === null && store.source.playback === null && RESTS.has(store.read().snapshot?.phase ?? "");
     frames.draw = (now) => {
