@@ -16,10 +16,11 @@ const study = (across: number, up: number): StudyDetail =>
     definition: { configuration: "testbed" },
   }) as unknown as StudyDetail;
 
-function figureOf(across: number, up: number, column: string): string {
+function figureOf(across: number, up: number, column: string, alone = false): string {
   const of = study(across, up);
-  const rows = new Map<number, StudyRow>(Array.from({ length: across * up }, (_, cell) => [cell, { cell, outcome: cell % 2 ? "ejection" : "base_collision", peak_tip_force: cell, error: null }]));
-  const props = { study: of, rows, spread: usualSpread(of), drawn: [], chosen: new Map<string, number>(), column, published: null, alone: false };
+  const varied = (cell: number) => ({ "published.impedance.damping": 1.5 * Math.floor(cell / up), "published.impedance.stiffness": 1.5 * (cell % up) });
+  const rows = new Map<number, StudyRow>(Array.from({ length: across * up }, (_, cell) => [cell, { cell, ...varied(cell), outcome: cell % 2 ? "ejection" : "base_collision", peak_tip_force: cell, error: null }]));
+  const props = { study: of, rows, spread: usualSpread(of), drawn: [], chosen: new Map<string, number>(), column, published: null, alone };
   return renderToStaticMarkup(createElement(Figure, props));
 }
 
@@ -31,6 +32,17 @@ describe("a figure", () => {
     expect(markup).toContain("two &lt;dampings&gt;: outcome");
     expect(markup).toContain("configuration testbed · 6 cells · study 20261130T010000000-abcdef");
     expect(figureOf(3, 2, "peak_tip_force")).toContain("peak tip force [N]");
+  });
+
+  it("of each parameter alone has a panel for each, with stacked shares or quantiles in it", () => {
+    const classes = figureOf(3, 2, "outcome", true);
+    expect(classes).toContain("two &lt;dampings&gt;: outcome");
+    expect(classes.match(/role="img"/g)).toHaveLength(2);
+    expect(classes.match(/fill="#d55e00" stroke=/g)).toHaveLength(3 + 1 + 1); // at each damping, at one stiffness, in the legend
+    expect(classes).toContain("base collision 50 %, ejection 50 %, of 2");
+    const numbers = figureOf(3, 2, "peak_tip_force", true);
+    expect(numbers).toContain("median 0.5, 5 to 95 %: 0.05 to 0.95, of 2");
+    expect(classes + numbers).not.toMatch(/NaN|var\(--|undefined/);
   });
 
   it("has nothing of the page: no buttons, no ring, no variables of its theme", () => {
