@@ -6,7 +6,7 @@ Each seed draws a truth (contact, servos, target, table, clock), flies captures,
 and compares. Nothing that only the simulation knows reaches the fit: the true fields of its ticks are erased.
 
 A run is flown by the `simulation`, with the imperfections of the emulated testbed, or by the `emulator`: the robot's
-end and the console's in virtual time, as benchmarks.link_control has them, with the bytes of the wire between them.
+end and the console's in virtual time (`server.link.virtual_robot`), with the bytes of the wire between them.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.link_control import VirtualLink
 from server.link.imperfections import Imperfections
+from server.link.virtual_robot import VirtualRobot
 from sim.capture.mission import Mission
 from sim.config import MissionConfig
 from sim.configurations import named_configuration, nested, revised
@@ -123,7 +123,7 @@ def emulated(config: MissionConfig, hidden: dict[str, float], seed: int, spin: f
     console = revised(config, {"target": {"initial_spin": spin}})
     true = revised(console, nested({name: value for name, value in hidden.items() if name not in _OF_THE_LINK}))
     given = {name: hidden[f"table.{name}"] for name in ("drag", "tilt_x", "tilt_y")}
-    plant = VirtualLink(console, Imperfections(**given), seed, true)
+    plant = VirtualRobot(console, Imperfections(**given), seed, true)
     return logged(f"seed-{seed}", console, Mission(console, plant))
 
 

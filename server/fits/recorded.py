@@ -30,7 +30,13 @@ def recorded_plan(
     """
     fitted, kept = (
         [
-            recording(each.record.id, each.record.config, each.chunks(), raw=each.record.kind == "imported")
+            recording(
+                each.record.id,
+                each.record.config,
+                each.chunks(),
+                raw=each.record.kind == "imported",
+                robot=each.record.robot,
+            )
             for each in readers
         ]
         for readers in (runs, held_out)

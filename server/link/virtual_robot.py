@@ -31,9 +31,14 @@ class VirtualRobot:
 
     handle = None
 
-    def __init__(self, config: MissionConfig, imperfections: Imperfections, seed: int) -> None:
-        """Laid out as configured, perceived by that configuration; the seed draws all that sensors get wrong."""
-        self.testbed = EmulatedTestbed(config, imperfections, seed)
+    def __init__(
+        self, config: MissionConfig, imperfections: Imperfections, seed: int, truth: MissionConfig | None = None
+    ) -> None:
+        """Laid out as configured, perceived by that configuration; the seed draws all that sensors get wrong.
+
+        With a `truth` the robot is that, and the console takes it for what is configured.
+        """
+        self.testbed = EmulatedTestbed(truth or config, imperfections, seed)
         self.state: Record = np.zeros(1, PLANT_STATE)[0]
         self.state["tick"] = -1
         self.perceived: Record = np.zeros(1, PERCEIVED)[0]

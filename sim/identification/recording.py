@@ -91,7 +91,9 @@ class Recording:
         return force
 
 
-def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw: bool = False) -> Recording:
+def recording(
+    name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw: bool = False, robot: bool = False
+) -> Recording:
     """A run from its ticks, consecutive arrays of `TICK`.
 
     Args:
@@ -99,6 +101,7 @@ def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw:
         config: that it was flown with.
         chunks: its ticks.
         raw: whether poses and wrenches are readings themselves, as of an imported log, and no filter's.
+        robot: whether a robot was flown; of earlier logs, which do not say so, it is seen in their joint rates.
 
     Raises:
         MissionRefused: nothing can be learnt from it; the message says why, and what would be needed.
@@ -110,7 +113,7 @@ def recording(name: str, config: MissionConfig, chunks: Iterable[Ticks], *, raw:
     rows = np.concatenate(found)
     _require_usable(name, config, rows)
     rows, missed = _on_grid(rows, config.control.period)
-    robots = raw or _is_of_robot(config, rows)
+    robots = raw or robot or _is_of_robot(config, rows)
     modelled = not raw and config.perception.estimator is Estimator.MODEL_BASED
     commanded, angle = rows["commanded_joint_rate"].copy(), rows["joint_angle"].copy()
     segment = np.concatenate([[0], np.cumsum(np.diff(rows["tick"]) != 1)])
