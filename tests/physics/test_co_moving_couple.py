@@ -72,7 +72,7 @@ def predicted(mission: Mission) -> Prediction:
     plan, hands = own[0]["best"], known["links"]["hand_pose"].copy()
     roll_out_touch(handle, parameters, known, hands, plan, math.inf)
     contact = touch_times(plan, parameters["co_moving_couple"], known).contact
-    return Prediction(float(known["time"]), contact, handle.path[: int(plan["steps"])].copy(), plan.copy())
+    return Prediction(float(known["time"]), contact, handle.work[0]["path"][: int(plan["steps"])].copy(), plan.copy())
 
 
 def fly(config: MissionConfig) -> Capture:

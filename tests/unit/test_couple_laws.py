@@ -56,7 +56,7 @@ def handle() -> CoupleHandle:
     return made
 
 
-ROBOT = handle().robot
+ROBOT = handle().fixed[0]["robot"]
 
 
 def cross(a: FloatArray, b: FloatArray) -> float:
@@ -133,16 +133,16 @@ class TestHandsBeforeCorners:
     def test_cage_the_target_from_the_radius_that_counts_as_enclosing(self, angle: float) -> None:
         made, hands = handle(), np.empty((2, 3))
         target = np.array([*CENTRE, angle])
-        corner = corner_towards(made.shape[0], angle, 0.0)
+        corner = corner_towards(made.fixed[0]["shape"], angle, 0.0)
         for arm in range(2):
-            hand_before_corner(arm, angle + corner, made.cage_radius, X, Y, hands[arm])
+            hand_before_corner(arm, angle + corner, made.fixed[0]["cage_radius"], X, Y, hands[arm])
         assert cage(CONFIG, hands, target).margin > LEAST_MARGIN
 
     @ARMS
     def test_touch_both_faces_of_the_corner_at_the_radius_of_touching(self, arm: int) -> None:
         made, hand = handle(), np.empty(3)
-        corner = corner_towards(made.shape[0], 0.0, 0.0)
-        hand_before_corner(arm, corner, made.touch_radius, 0.0, 0.0, hand)
+        corner = corner_towards(made.fixed[0]["shape"], 0.0, 0.0)
+        hand_before_corner(arm, corner, made.fixed[0]["touch_radius"], 0.0, 0.0, hand)
         for tip in range(2):
             assert signed_distance(SQUARE, *tip_position(ROBOT, hand, tip)) == pytest.approx(0.015, abs=1e-6)
 
@@ -366,7 +366,7 @@ class TestFollowingFaces:
 def test_closing_hands_turn_with_the_target(spin: float) -> None:
     made, memory, state, hands = handle(), np.zeros(1, MEMORY)[0], _state(spin), np.empty((2, 3))
     memory["activity"] = method_of(CONFIG).activities["CLOSING"]
-    corner = corner_towards(made.shape[0], 0.0, 0.0)
+    corner = corner_towards(made.fixed[0]["shape"], 0.0, 0.0)
     made.own[0]["close"]["corner"] = corner
     for arm in range(2):
         hand_before_corner(arm, corner, 0.1, X, Y, hands[arm])

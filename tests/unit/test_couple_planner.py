@@ -15,6 +15,7 @@ from sim.method.co_moving_couple.memory import CANDIDATE, COUPLE_MEMORY, CoupleH
 from sim.method.co_moving_couple.planner import (
     STEP,
     candidate_touch,
+    note_gaps,
     roll_out_touch,
     target_at,
     time_to_contact,
@@ -27,7 +28,9 @@ from sim.perception.perceived import PERCEIVED
 from sim.record import Record, record_of
 
 CONFIG = revised(MissionConfig(), {"method": "co_moving_couple"})
-PREDICTIONS = ("time", "cost", "force", "manipulability", "clearance", "base_rotation", "lever_start", "lever_end")
+PREDICTIONS = (
+    "time", "cost", "force", "manipulability", "clearance", "apart", "base_rotation", "lever_start", "lever_end",
+)  # fmt: skip
 MIRROR = np.array([-1.0, 1.0, -1.0])
 """Of a pose or twist (x, y, angle), in the plane of symmetry x = 0."""
 
@@ -46,7 +49,7 @@ class Planned:
         self.state["joint_angle"] = initial_joint_angles(config.robot.arm)
         self.state["target_pose"], self.state["target_twist"] = target, twist
         self.state["target_inertia"] = config.perception.assumed_inertia
-        links = chain(self.handle.robot, self.state["base_pose"], self.state["joint_angle"], np.zeros(2))
+        links = chain(self.handle.fixed[0]["robot"], self.state["base_pose"], self.state["joint_angle"], np.zeros(2))
         self.hands = links.hand_pose
 
     def candidate(self, index: int, worth: float = math.inf) -> Record:
@@ -58,7 +61,7 @@ class Planned:
 
     def path(self, plan: Record) -> FloatArray:
         """What the last roll-out left: hands' poses and (base rotation, manipulabilities), a row a `STEP`."""
-        return self.handle.path[: int(plan["steps"])].copy()
+        return self.handle.work[0]["path"][: int(plan["steps"])].copy()
 
     def first_feasible(self) -> int:
         """The number of the first candidate that is not dropped."""
@@ -98,7 +101,8 @@ class TestCandidate:
         plan = planned.candidate(planned.first_feasible())
         until = time_to_contact(plan, planned.state)
         assert until >= CONFIG.co_moving_couple.search.least_approach_time
-        side = TARGET[2] + TWIST[2] * until + math.atan2(*planned.handle.shape[0]["normals"][plan["side"]][::-1])
+        nx, ny = planned.handle.fixed[0]["shape"]["normals"][plan["side"]]
+        side = TARGET[2] + TWIST[2] * until + math.atan2(ny, nx)
         assert math.remainder(side - float(plan["contact_angle"]), math.pi / 2) == pytest.approx(0.0, abs=1e-9)
 
     def test_has_the_force_that_takes_the_energy_out_along_its_arc(self) -> None:
@@ -133,6 +137,41 @@ class TestCandidate:
                 assert sign * (tip @ (math.cos(normal), math.sin(normal))) == pytest.approx(0.09, abs=1e-6)
 
 
+class TestGaps:
+    @staticmethod
+    def noted(left: tuple[float, float, float], right: tuple[float, float, float], base: FloatArray) -> float:
+        """The least gap between hands and base at these poses."""
+        handle = Planned(tuple(TARGET), tuple(TWIST)).handle
+        plan, now = np.zeros(1, CANDIDATE)[0], handle.work[0]
+        plan["apart"], now["base"] = 1.0, base
+        now["links"]["hand_pose"] = left, right
+        note_gaps(handle, plan)
+        return float(plan["apart"])
+
+    @pytest.mark.parametrize("turned", [0.0, 0.7])
+    def test_are_from_tip_to_tip_of_hands_that_face_each_other(self, turned: float) -> None:
+        hand, gap, c, s = CONFIG.robot.arm.hand, 0.004, math.cos(turned), math.sin(turned)
+        across = gap + 2.0 * hand.tip_radius
+        left, right = (0.0, 0.0, turned), (-across * s, across * c, turned + math.pi)
+        assert self.noted(left, right, np.array([0.0, -5.0, 0.3])) == pytest.approx(gap)
+
+    def test_count_the_palm_as_well_as_the_tips(self) -> None:
+        hand = CONFIG.robot.arm.hand
+        depth = hand.centre_offset
+        left, right = (0.0, 0.0, 0.0), (0.0, -2.0 * depth - 0.05, math.pi)
+        assert self.noted(left, right, np.array([0.0, 5.0, 0.0])) == pytest.approx(0.05 - 2.0 * hand.tip_radius)
+
+    def test_are_to_the_base_in_its_own_axes(self) -> None:
+        base, hand = CONFIG.robot.base, CONFIG.robot.arm.hand
+        ahead = 0.5 * base.depth - base.centre_of_mass_ahead
+        turned = 0.4
+        # Both tips as far before the base's front as the gap says; the other hand far away.
+        out = ahead + 0.007 + hand.tip_radius
+        x, y = -out * math.sin(turned), out * math.cos(turned)
+        left = (x, y, turned + math.pi)
+        assert self.noted(left, (9.0, 9.0, 0.0), np.array([0.0, 0.0, turned])) == pytest.approx(0.007)
+
+
 class TestDropped:
     def test_is_only_what_cannot_be_better_than_what_was_found(self, planned: Planned) -> None:
         index = planned.first_feasible()
@@ -155,6 +194,17 @@ class TestDropped:
         troubles = [int(strict.candidate(index)["dropped_for"]) for index in range(0, 90, 5)]
         assert Dropped.BASE in troubles
         assert Dropped.NONE not in troubles
+
+    def test_for_the_hands_where_they_would_come_near_the_base(self) -> None:
+        near = Planned((0.0, 0.26, 0.3), (0.0, 0.0, 1.0))
+        troubles = [int(near.candidate(index)["dropped_for"]) for index in range(0, 90, 5)]
+        assert Dropped.HANDS in troubles
+
+    def test_for_the_hands_where_they_should_be_farther_apart(self, planned: Planned) -> None:
+        index = planned.first_feasible()
+        apart = float(planned.candidate(index)["apart"])
+        strict = Planned(tuple(TARGET), tuple(TWIST), co_moving_couple__search__least_apart=apart + 1e-6)
+        assert strict.candidate(index)["dropped_for"] == Dropped.HANDS
 
     def test_for_clearance_where_much_of_it_is_wanted(self) -> None:
         strict = Planned(tuple(TARGET), tuple(TWIST), co_moving_couple__search__least_clearance=0.05)

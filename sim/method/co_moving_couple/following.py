@@ -224,7 +224,7 @@ def _lift_off(own: Record, method: Record, state: Record, lasted: float) -> tupl
 def _squeezed(handle: CoupleHandle, parameters: Record, state: Record, lasted: float) -> tuple[int, int, int]:
     """Settle if both hands are far enough in for a cage, by perceived poses; open again if they do not come in."""
     own = handle.own[0]
-    if max(own.radius[0], own.radius[1]) <= handle.cage_radius:
+    if max(own.radius[0], own.radius[1]) <= handle.fixed[0].cage_radius:
         return into(own, state, Phase.CAGING, Activity.SETTLING)
     if lasted < _PATIENCE:
         return Phase.CAGING, Activity.SQUEEZING, PlanKind.NONE

@@ -154,7 +154,7 @@ def _follow_face(
     velocity: FloatArray,
 ) -> None:  # fmt: skip
     """One hand: with the face, along its normal by the force's error, outwards along it as planned."""
-    own, touch, robot = handle.own[0], parameters.co_moving_couple.touch, handle.robot
+    own, touch, robot = handle.own[0], parameters.co_moving_couple.touch, handle.fixed[0].robot
     gain, sense = parameters.co_moving_couple.closing.gain, own.sense
     normal = side_normal(own, state, 1)
     lever, spin = lever_at(own.best, sense, normal), abs(state.target_twist[2])
@@ -227,7 +227,7 @@ def note_yielding(handle: CoupleHandle, parameters: Record, state: Record) -> No
     Rates of joints that contact wrenches F act on give way by time_constant H*^-1 J*^T F (the servo's description): as
     an arm stretches by half as much again, so it is looked at anew while the hands press.
     """
-    own, robot = handle.own[0], handle.robot
+    own, robot = handle.own[0], handle.fixed[0].robot
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
     model = free_flying_model(robot, state.base_pose, links)
     inertia = inertia_matrix(robot, state.base_pose, links)

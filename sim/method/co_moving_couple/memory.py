@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray
 from sim.model.generalized_jacobian import JOINT_RATES
 from sim.model.reduced_model import CHAIN, FREE, SHAPE
 from sim.model.robot import RobotModel
+from sim.model.shape import Shape
 
 
 class Activity(IntEnum):
@@ -100,6 +100,7 @@ CANDIDATE = np.dtype(
         ("base_rotation", np.float64),  # largest, of what is to come [rad]
         ("manipulability", np.float64),  # least [m2]
         ("clearance", np.float64),  # least, of tips that should not touch [m]
+        ("apart", np.float64),  # least between both hands, and from either to the base, or 0.1 [m]
         ("cost", np.float64),  # [s]
         ("dropped_for", np.int64),  # a code of `Dropped`
     ],
@@ -121,6 +122,8 @@ class Dropped(IntEnum):
     """It lasts longer than can be rolled out."""
     COSTLIER = 5
     """It costs more than one that was found before, whatever the rest of its way: it is not rolled out to the end."""
+    HANDS = 6
+    """A hand comes too near the other, or the base."""
 
 
 COUPLE_MEMORY = np.dtype(
@@ -156,8 +159,12 @@ COUPLE_MEMORY = np.dtype(
 )
 
 
+STEPS = 300
+"""A roll-out has at most so many steps."""
+
 ROLL_OUT = np.dtype(
     [
+        ("path", np.float64, (STEPS, 3, 3)),  # poses of both hands, base rotation [rad] and manipulability of both [m2]
         ("base", np.float64, (3,)),
         ("joint_angle", np.float64, (2, 3)),
         ("joint_rate", np.float64, (2, 3)),
@@ -172,29 +179,35 @@ ROLL_OUT = np.dtype(
         ("start", np.float64, (2, 3)),  # of the hands, as seen from the target
         ("goal", np.float64, (2, 3)),
         ("pose", np.float64, (2, 3)),  # to work with
+        ("corners", np.float64, (2, 4, 2)),  # of both hands [m]
         ("shape", SHAPE),  # of the robot
         ("links", CHAIN),
         ("problem", JOINT_RATES),
     ],
     align=True,
 )
-"""Where a roll-out has come to: robot, target, hands' goals."""
+"""Where a roll-out has come to: robot, target, hands' goals; and the way there, one row of `path` a step."""
 
 
-class CoupleHandle(NamedTuple):
-    """What the compiled functions of this method work with."""
+class Fixed(NamedTuple):
+    """What the configuration says, and stays."""
 
-    own: np.ndarray[Any, np.dtype[Any]]
-    """An array of one `COUPLE_MEMORY`."""
     robot: RobotModel
-    shape: np.ndarray[Any, np.dtype[Any]]
-    """The target's `Shape`, packed, an array of one."""
+    shape: Shape
+    """Of the target."""
+    base: Shape
     cage_radius: float
     """Hand centres that are at most so far from the target's, on a line of corners, cage it [m]."""
     touch_radius: float
     """... touch it there with both tips [m]."""
-    path: FloatArray
-    """What was rolled out last, one row a step, shape (steps, 3, 3): poses of both hands, then base rotation [rad] and
-    manipulability of left and right [m2]."""
+
+
+class CoupleHandle(NamedTuple):
+    """What the compiled functions of this method work with: arrays of one record each, which cost little to hand on."""
+
+    own: np.ndarray[Any, np.dtype[Any]]
+    """Of `COUPLE_MEMORY`."""
+    fixed: np.ndarray[Any, np.dtype[Any]]
+    """Of `Fixed`, packed."""
     work: np.ndarray[Any, np.dtype[Any]]
-    """An array of one `ROLL_OUT`."""
+    """Of `ROLL_OUT`."""

@@ -11,17 +11,15 @@ from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.method.co_moving_couple import sequence
 from sim.method.co_moving_couple.geometry import closed_radius, hand_before_corner
-from sim.method.co_moving_couple.memory import COUPLE_MEMORY, ROLL_OUT, Activity, CoupleHandle, PlanKind
+from sim.method.co_moving_couple.memory import COUPLE_MEMORY, ROLL_OUT, Activity, CoupleHandle, Fixed, PlanKind
 from sim.method.co_moving_couple.reference import corner_towards
 from sim.method.co_moving_couple.refusal import refusal
 from sim.method.co_moving_couple.words import WORDS
 from sim.method.method import Method, register_kernel
-from sim.model.robot import robot_model
+from sim.model.robot import base_shape, robot_model
 from sim.model.target import target_shape
 from sim.record import packed
 
-_STEPS = 300
-"""A roll-out has at most so many steps."""
 _CAGED_WITHIN = 0.002
 """Hands that are no further out than this from where all tips touch have come in [m]."""
 
@@ -29,15 +27,15 @@ _CAGED_WITHIN = 0.002
 def _handle(config: MissionConfig, own: np.ndarray[Any, np.dtype[Any]]) -> CoupleHandle:
     robot, shape = robot_model(config.robot), target_shape(config.target)
     radius = closed_radius(robot, shape)
-    path, work = np.zeros((_STEPS, 3, 3)), np.zeros(1, ROLL_OUT)
-    return CoupleHandle(own, robot, packed(shape), radius + _CAGED_WITHIN, radius, path, work)
+    fixed = Fixed(robot, shape, base_shape(config.robot.base), radius + _CAGED_WITHIN, radius)
+    return CoupleHandle(own, packed(fixed), np.zeros(1, ROLL_OUT))
 
 
 def _enclosure(config: MissionConfig) -> FloatArray:
-    handle = _handle(config, np.zeros(1, COUPLE_MEMORY))
-    hands = np.empty((2, 3))
+    fixed = _handle(config, np.zeros(1, COUPLE_MEMORY)).fixed[0]
+    corner, hands = corner_towards(fixed["shape"], 0.0, 0.0), np.empty((2, 3))
     for arm in range(2):
-        hand_before_corner(arm, corner_towards(handle.shape[0], 0.0, 0.0), handle.cage_radius, 0.0, 0.0, hands[arm])
+        hand_before_corner(arm, corner, float(fixed["cage_radius"]), 0.0, 0.0, hands[arm])
     return hands
 
 

@@ -72,6 +72,15 @@ class SearchConfig(ConfigModel):
     least_clearance: Number = parameter(
         0.0015, "Of tips that should not touch yet", unit="m", source="prototype", ge=0, le=0.1, live=True
     )
+    least_apart: Number = parameter(
+        0.01,
+        "Between the hands, and from either to the base, of a plan",
+        unit="m",
+        source="twice the room that a cage must have: poses are believed to some millimetres",
+        ge=0,
+        le=0.1,
+        live=True,
+    )
     force_price: Number = parameter(
         3.0, "Time that one newton less is worth", unit="s/N", source="prototype", ge=0, le=100, live=True
     )

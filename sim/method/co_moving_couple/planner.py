@@ -2,8 +2,8 @@
 
 The base is free, so where a hand's path leads the arms, and how far it turns the base, shows only by integrating the
 generalized Jacobian with momentum along it. Each candidate is one lean of the hands' axis, one arc, one face that
-passes. A candidate that comes near a singularity, a corner or the base is dropped; the others cost time, force and
-base rotation.
+passes. A candidate that comes near a singularity, a corner or the base, or brings the hands near each other, is
+dropped; the others cost time, force and base rotation.
 """
 
 from __future__ import annotations
@@ -87,6 +87,8 @@ _SAFE = 1.5
 """A plan keeps so many times the floor of manipulability."""
 _SETTLED = 0.04
 """From contact until its force has settled, about [s]."""
+_FAR_APART = 0.1
+"""Hands that are farther apart than this are far enough, and so from the base [m]."""
 _UNFINISHED = 15.0
 """What a plan costs that leaves too much spin for the closing [s]: another touch."""
 _LOW_MANIPULABILITY = 300.0
@@ -117,7 +119,7 @@ def candidate_touch(handle: CoupleHandle, parameters: Record, state: Record, ind
     """The candidate of that number, without its predictions; beyond the coarse ones a neighbour of the best so far."""
     own = handle.own[0]
     index = index if index >= COARSE else (_STRIDE * index) % COARSE
-    plan.turn = ENDS[index % len(ENDS)] + 0.5 * handle.shape[0].symmetry_angle - 0.5 * QUARTER_TURN
+    plan.turn = ENDS[index % len(ENDS)] + 0.5 * handle.fixed[0].shape.symmetry_angle - 0.5 * QUARTER_TURN
     plan.lean = LEANS[(index // len(ENDS)) % len(LEANS)]
     plan.arc, plan.passing = ARCS[(index // (len(ENDS) * len(LEANS))) % len(ARCS)], own.passing
     if index >= COARSE:
@@ -139,14 +141,14 @@ def candidate_touch(handle: CoupleHandle, parameters: Record, state: Record, ind
 @compiled
 def _complete(handle: CoupleHandle, parameters: Record, state: Record, plan: Record) -> None:
     """What follows from turn, lean, arc and passing of a candidate: side, angles, levers, force."""
-    method, shape = parameters.co_moving_couple, handle.shape[0]
+    method, shape = parameters.co_moving_couple, handle.fixed[0].shape
     touch, spin, arc = method.touch, state.target_twist[2], plan.arc
     sense = 1.0 if spin >= 0.0 else -1.0
     kinds = max(1, round(shape.sides * shape.symmetry_angle / (2.0 * math.pi)))
     plan.side = plan.passing % kinds
     half = half_side(shape, plan.side, sense)
     plan.lever_end = half - touch.edge_distance
-    outward = handle.robot.tip_radius + touch.slip * half
+    outward = handle.fixed[0].robot.tip_radius + touch.slip * half
     lever = mean_lever(handle, touch, plan.side, sense, arc)
     energy = state.target_inertia * max(0.0, spin * spin - touch.spin_left * touch.spin_left)
     force = energy / (4.0 * lever * arc)
@@ -168,22 +170,22 @@ def _complete(handle: CoupleHandle, parameters: Record, state: Record, plan: Rec
 @compiled
 def mean_lever(handle: CoupleHandle, touch: Record, side: int, sense: float, arc: float) -> float:
     """With which the force of one hand brakes along an arc [m]: the tip's, less what it rolls out, and friction's."""
-    half = half_side(handle.shape[0], side, sense)
-    outward = handle.robot.tip_radius + touch.slip * half
+    half = half_side(handle.fixed[0].shape, side, sense)
+    outward = handle.fixed[0].robot.tip_radius + touch.slip * half
     return float(half - touch.edge_distance - 0.5 * outward * arc + friction_lever(handle, touch, side))
 
 
 @compiled
 def friction_lever(handle: CoupleHandle, touch: Record, side: int) -> float:
     """What friction that brakes adds to the lever of the normal force [m], as it is assumed."""
-    robot = handle.robot
-    return float(touch.assumed_friction * (tip_distance(handle.shape[0], side, robot) - robot.tip_radius))
+    robot = handle.fixed[0].robot
+    return float(touch.assumed_friction * (tip_distance(handle.fixed[0].shape, side, robot) - robot.tip_radius))
 
 
 @compiled
 def candidate_closing(handle: CoupleHandle, parameters: Record, state: Record, index: int, plan: Record) -> None:
     """The candidate of a closing of that number: which corner, and from how far the hands come in."""
-    own, closing, shape = handle.own[0], parameters.co_moving_couple.closing, handle.shape[0]
+    own, closing, shape = handle.own[0], parameters.co_moving_couple.closing, handle.fixed[0].shape
     after_touch = own.touches > 0 and own.trouble == Trouble.NONE
     widest = closing.near_gap if after_touch else closing.far_gap
     plan.gap = widest * GAP_PARTS[index % len(GAP_PARTS)]
@@ -298,12 +300,13 @@ def _roll_out(
     The target is taken to be as heavy to turn as it may well be: the robot then turns further, and arms stretch.
     """
     method, now = parameters.co_moving_couple, handle.work[0]
-    plan.base_rotation, plan.manipulability, plan.clearance, plan.dropped_for = 0.0, math.inf, math.inf, Dropped.NONE
+    plan.base_rotation, plan.dropped_for = 0.0, Dropped.NONE
+    plan.manipulability, plan.clearance, plan.apart = math.inf, math.inf, _FAR_APART
     plan.time, plan.steps = times.end, 0
-    if times.end > STEP * handle.path.shape[0]:
+    if times.end > STEP * handle.work[0].path.shape[0]:
         plan.dropped_for = Dropped.HORIZON
         return
-    _begin_roll_out(handle.robot, state, hand_pose, now)
+    _begin_roll_out(handle.fixed[0].robot, state, hand_pose, now)
     floor = (_SAFE if times.contact > 0.0 else 1.0) * method.search.manipulability_floor
     most_rotation = method.search.most_base_rotation
     if method.without == _PREDICTION:
@@ -315,23 +318,26 @@ def _roll_out(
         time, plan.steps = (step + 1) * STEP, step + 1
         spin = target_at(plan, state, times, time, now.target)
         if time > times.away and plan.corner == NO_CORNER:
-            plan.corner = corner_towards(handle.shape[0], now.target[2], state.base_pose[2])
+            plan.corner = corner_towards(handle.fixed[0].shape, now.target[2], state.base_pose[2])
         if time - STEP < times.pressing <= time < times.leave:
             _set_mount_rates(handle, plan, parameters, state)
         elif time > times.leave:
             now.mount_rate[:] = 0.0
         for arm in range(2):
             goal_at(handle, plan, parameters, state, times, time, hand_pose[arm], arm)
-            copy_vector(handle.path[step, arm], now.goal[arm])
+            copy_vector(handle.work[0].path[step, arm], now.goal[arm])
         _step(now, (state.target_inertia + state.target_inertia_deviation) * (state.target_twist[2] - spin))
-        set_shape_at(handle.robot, now.joint_angle, now.mount_angle, now.shape)
+        set_shape_at(handle.fixed[0].robot, now.joint_angle, now.mount_angle, now.shape)
         set_chain(now.base, now.shape, now.links)
-        _note(handle, plan, state, times, time, handle.path[step, 2])
+        _note(handle, plan, state, times, time, handle.work[0].path[step, 2])
         if not plan.manipulability >= floor:
             plan.dropped_for, plan.time = Dropped.MANIPULABILITY, time
             return
         if not plan.base_rotation <= most_rotation:
             plan.dropped_for, plan.time = Dropped.BASE, time
+            return
+        if plan.apart < method.search.least_apart:
+            plan.dropped_for, plan.time = Dropped.HANDS, time
             return
     if plan.clearance < method.search.least_clearance:
         plan.dropped_for = Dropped.CLEARANCE
@@ -410,10 +416,11 @@ def goal_at(
         to_target(target, pose, start)
     elif time <= times.away:
         part, _ = time_scaling((time - times.leave) / (times.away - times.leave))
-        drawn_back(start, handle.robot, touching_tip(sense), part * LIFTED, between_them)
+        drawn_back(start, handle.fixed[0].robot, touching_tip(sense), part * LIFTED, between_them)
         from_target(target, between_them, pose)
     else:
-        radius = max(closing_radius(handle, closing, plan.gap, max(0.0, time - times.grasp)), handle.touch_radius)
+        radius = closing_radius(handle, closing, plan.gap, max(0.0, time - times.grasp))
+        radius = max(radius, handle.fixed[0].touch_radius)
         hand_before_corner(arm, plan.corner, radius, 0.0, 0.0, between_them)
         if time <= times.grasp:
             between(start, between_them, (time - times.away) / (times.grasp - times.away), between_them)
@@ -435,7 +442,7 @@ def _before_contact(
         return
     touch_pose(handle, plan, sense, arm, plan.contact_angle, ENTRY_GAP, x, y, met)
     part = 1.0 - (contact - time) / entry
-    enter(handle.robot, touching_tip(sense), waiting, met, state.target_twist, x, y, entry, part, pose)
+    enter(handle.fixed[0].robot, touching_tip(sense), waiting, met, state.target_twist, x, y, entry, part, pose)
 
 
 @compiled
@@ -452,7 +459,7 @@ def _set_mount_rates(handle: CoupleHandle, plan: Record, parameters: Record, sta
     for arm in range(2):
         normal = now.target[2] + plan.normal_offset - (HALF_TURN if arm == 0 else 0.0) - now.base[2]
         fx, fy = plan.force * math.cos(normal), plan.force * math.sin(normal)
-        tip_x, tip_y = tip_position(handle.robot, now.links.hand_pose[arm], touching_tip(sense))
+        tip_x, tip_y = tip_position(handle.fixed[0].robot, now.links.hand_pose[arm], touching_tip(sense))
         x, y = rotated(-now.base[2], tip_x - now.links.hand_pose[arm, 0], tip_y - now.links.hand_pose[arm, 1])
         about_hand = x * fy - y * fx
         for side in range(2):
@@ -510,6 +517,7 @@ def _note(handle: CoupleHandle, plan: Record, state: Record, times: Times, time:
     for arm in range(2):
         row[1 + arm] = manipulability(now.links, arm)
         plan.manipulability = min(plan.manipulability, row[1 + arm])
+    note_gaps(handle, plan)
     if time > times.grasp:
         return
     sense = 1.0 if state.target_twist[2] >= 0.0 else -1.0
@@ -518,10 +526,46 @@ def _note(handle: CoupleHandle, plan: Record, state: Record, times: Times, time:
         for tip in range(2):
             if touching and tip == touching_tip(sense):
                 continue
-            tip_x, tip_y = tip_position(handle.robot, now.links.hand_pose[arm], tip)
+            tip_x, tip_y = tip_position(handle.fixed[0].robot, now.links.hand_pose[arm], tip)
             x, y = in_frame(now.target, tip_x, tip_y)
-            clear = signed_distance(handle.shape[0], x, y) - handle.robot.tip_radius
+            clear = signed_distance(handle.fixed[0].shape, x, y) - handle.fixed[0].robot.tip_radius
             plan.clearance = min(plan.clearance, clear)
+
+
+@compiled
+def note_gaps(handle: CoupleHandle, plan: Record) -> None:
+    """Note the least gap between the hands, and from either to the base, of tips and palms' ends, all as thick as tips.
+
+    What cannot be nearer than was noted already is not looked at.
+    """
+    now, robot, base = handle.work[0], handle.fixed[0].robot, handle.fixed[0].base
+    corners, thick = now.corners, robot.tip_radius
+    reach = robot.link_length[JOINTS] + robot.tip_offset + thick
+    for arm in range(2):
+        _place_corners(robot, now.links.hand_pose[arm], corners[arm])
+    nearest = math.inf
+    for place in range(4):
+        for opposite in range(4):
+            x, y = corners[1, opposite, 0] - corners[0, place, 0], corners[1, opposite, 1] - corners[0, place, 1]
+            nearest = min(nearest, x * x + y * y)
+    plan.apart = min(plan.apart, math.sqrt(nearest) - 2.0 * thick)
+    c, s = direction(now.base[2])
+    for arm in range(2):
+        x, y = now.links.hand_pose[arm, 0] - now.base[0], now.links.hand_pose[arm, 1] - now.base[1]
+        if signed_distance(base, c * x + s * y, c * y - s * x) - reach < plan.apart:
+            for place in range(4):
+                x, y = corners[arm, place, 0] - now.base[0], corners[arm, place, 1] - now.base[1]
+                plan.apart = min(plan.apart, signed_distance(base, c * x + s * y, c * y - s * x) - thick)
+
+
+@compiled
+def _place_corners(robot: RobotModel, pose: FloatArray, corners: FloatArray) -> None:
+    """Of a hand's U: the centres of its tips, and the palm's ends behind them [m], world, shape (4, 2)."""
+    c, s = direction(pose[2])
+    half, depth = robot.tip_offset, robot.link_length[JOINTS]
+    for place in range(4):
+        x, y = half if place % 2 == 1 else -half, 0.0 if place < 2 else -depth
+        corners[place, 0], corners[place, 1] = pose[0] + c * x - s * y, pose[1] + s * x + c * y
 
 
 @compiled

@@ -55,7 +55,7 @@ def stand_off_pose(
     centre_x: float, centre_y: float, pose: FloatArray,
 ) -> None:  # fmt: skip
     """Where a hand waits for its face, shape (3,): in the direction of the contact, outside the corners' circle."""
-    robot, shape = handle.robot, handle.shape[0]
+    robot, shape = handle.fixed[0].robot, handle.fixed[0].shape
     out = tip_distance(shape, plan.side, robot)
     normal = plan.contact_angle if arm == 1 else plan.contact_angle - HALF_TURN
     direction = normal - sense * math.atan2(plan.lever_start, out)
@@ -71,7 +71,7 @@ def touch_pose(
     centre_y: float, pose: FloatArray,
 ) -> None:  # fmt: skip
     """Where a hand is whose tip follows the side that the right hand's normal angle [rad] tells, shape (3,)."""
-    robot, shape = handle.robot, handle.shape[0]
+    robot, shape = handle.fixed[0].robot, handle.fixed[0].shape
     normal = normal_angle if arm == 1 else normal_angle - HALF_TURN
     lever = lever_at(plan, sense, normal_angle)
     out = tip_distance(shape, plan.side, robot) + gap
@@ -153,5 +153,5 @@ def closing_radius(handle: CoupleHandle, closing: Record, gap: float, since: flo
     """Where a hand's centre should be, from the target's [m], that began so far before touching and so long ago [s]."""
     if since < closing.fast_time:
         s, _ = time_scaling(since / closing.fast_time)
-        return float(handle.touch_radius + gap + s * (closing.slow_gap - gap))
-    return float(handle.touch_radius + closing.slow_gap - closing.slow_speed * (since - closing.fast_time))
+        return float(handle.fixed[0].touch_radius + gap + s * (closing.slow_gap - gap))
+    return float(handle.fixed[0].touch_radius + closing.slow_gap - closing.slow_speed * (since - closing.fast_time))

@@ -82,7 +82,7 @@ def _lever(robot: RobotConfig, outline: Outline, braking: TouchConfig) -> float:
     )
     method = method_of(config)
     handle, touch = method.handle(config, np.zeros(1, method.memory)), record_of(config)["co_moving_couple"]["touch"]
-    sides = range(int(handle.shape[0]["corners"]))
+    sides = range(int(handle.fixed[0]["shape"]["corners"]))
     return max(mean_lever(handle, touch, side, sense, ARCS[0]) for side in sides for sense in (-1.0, 1.0))
 
 

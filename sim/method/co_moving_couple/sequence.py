@@ -115,7 +115,7 @@ def _show(handle: CoupleHandle, memory: Record, parameters: Record, plan: Record
     for knot in range(1, KNOTS):
         step = max(0, plan.steps * knot // (KNOTS - 1) - 1)
         memory.plan_time[knot] = state.time + STEP * (step + 1)
-        memory.plan_pose[:, knot, :] = handle.path[step, :2]
+        memory.plan_pose[:, knot, :] = handle.work[0].path[step, :2]
     memory.plan_knots = KNOTS
     method = parameters.co_moving_couple
     times = touch_times(plan, method, state) if memory.plan_kind == PlanKind.TOUCH else closing_times(plan, method)

@@ -61,10 +61,12 @@ def _goal(
         between_touches = memory.phase == Phase.DETUMBLING
         duration = parameters.co_moving_couple.closing.retreat_time if between_touches else LIFTING
         s, _ = time_scaling(min(1.0, (since + ahead) / duration))
-        drawn_back(start, handle.robot, touching_tip(own.sense), s * (OUTWARD if between_touches else LIFTED), goal)
+        drawn_back(
+            start, handle.fixed[0].robot, touching_tip(own.sense), s * (OUTWARD if between_touches else LIFTED), goal
+        )
         from_target(target, goal, pose)
     elif activity == Activity.REGRASPING:
-        hand_before_corner(arm, own.close.corner, handle.touch_radius + own.close.gap, 0.0, 0.0, goal)
+        hand_before_corner(arm, own.close.corner, handle.fixed[0].touch_radius + own.close.gap, 0.0, 0.0, goal)
         between(start, goal, (since + ahead) / own.close.regrasp, goal)
         from_target(target, goal, pose)
     else:
@@ -90,7 +92,9 @@ def _to_the_side(
     else:
         touch_pose(handle, own.best, own.sense, arm, own.best.contact_angle, ENTRY_GAP, x, y, goal)
         tip = touching_tip(own.sense)
-        enter(handle.robot, tip, own.start_pose[arm], goal, state.target_twist, x, y, whole, since / whole, pose)
+        enter(
+            handle.fixed[0].robot, tip, own.start_pose[arm], goal, state.target_twist, x, y, whole, since / whole, pose
+        )
 
 
 @compiled
