@@ -5,8 +5,11 @@ BIN := .venv/bin
 LOCK := requirements.lock
 INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint $(LOCK)
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/src/client/*')
-# Whole files, the slow rooms first: the many quick ones at the end keep both busy to the last.
-SIDE_BY_SIDE := -n 2 --dist loadfile --no-loadscope-reorder
+# Whole files, the slow rooms first: the many quick ones at the end keep all busy to the last. Services and processes
+# that are waited for leave a third of two cores free; browsers leave none.
+SIDE_BY_SIDE := --dist loadfile --no-loadscope-reorder
+THREE := -n 3 $(SIDE_BY_SIDE)
+TWO := -n 2 $(SIDE_BY_SIDE)
 IN_PROCESS := tests/deploy tests/api tests/physics tests/unit
 # Not with the others: a process drives a browser, or runs what is asynchronous, not both; the link is flown in real
 # time, which two browsers beside it leave no room for.
@@ -30,9 +33,9 @@ run: .venv/console.stamp ## install what is needed and start the console
 	$(BIN)/becalm serve $(ARGS)
 
 test: compiled browser ## install what is needed, browser included, and run all tests; ARGS chooses some
-	$(BIN)/python -m pytest $(or $(ARGS),$(SIDE_BY_SIDE) $(IN_PROCESS))
+	$(BIN)/python -m pytest $(or $(ARGS),$(THREE) $(IN_PROCESS))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(IN_REAL_TIME))
-	$(if $(ARGS),,$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(IN_BROWSERS))
+	$(if $(ARGS),,$(BIN)/python -m pytest $(TWO) $(IN_BROWSERS))
 	$(if $(ARGS),,$(BIN)/python -m pytest $(ALONE))
 
 check: lint types contracts web-check ## linters, types, import contracts, web: all that is not a test
