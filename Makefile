@@ -64,7 +64,7 @@ compiled-becalm: .venv/dev.stamp
 compiled-published: .venv/dev.stamp
 	$(PREPARE) published
 	$(BIN)/python -c "from server.library.replay_session import prepare_replay; prepare_replay()"
-	$(BIN)/python -c "from server.link.robot_link import RobotLink as link; from sim.configurations import named_configuration as named; link.warm_up(named('testbed'))"
+	$(BIN)/python -c "from server.link.robot_link import RobotLink as link; from sim.configurations import named_configuration as named; [link.warm_up(named(each)) for each in ('testbed', 'testbed_becalm')]"
 
 browser: ## a browser for the tests, if there is none
 	sh tests/browser/install_browser.sh
