@@ -60,7 +60,7 @@ def test_a_study_from_its_form_to_a_cell_in_the_scene(console: Page, service: Se
     expect(console.get_by_role("region", name="Study the other")).to_be_visible()
     expect(console.get_by_role("heading", name="Comparison")).to_be_visible()
     console.get_by_role("link", name="End comparison").click()
-    console.get_by_text("Map", exact=True).click()
+    head.get_by_text("Map", exact=True).click()
     with console.expect_download() as report:
         console.get_by_role("link", name="Download the report of this study as PDF").click()
     assert report.value.path().read_bytes().startswith(b"%PDF")

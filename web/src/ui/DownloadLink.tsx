@@ -11,8 +11,9 @@ interface DownloadLinkProps {
 }
 
 export function DownloadLink({ href, format, what, label = format }: DownloadLinkProps) {
+  const told = `Download ${what} as ${format}`;
   return (
-    <a className={styles.link} href={href} download aria-label={`Download ${what} as ${format}`}>
+    <a className={styles.link} href={href} download aria-label={label === format ? told : `${label}: ${told}`}>
       <Icon icon="download" /> {label}
     </a>
   );

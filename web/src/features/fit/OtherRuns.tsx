@@ -62,7 +62,7 @@ export function OtherRuns({ run, roles, choose }: OtherRunsProps) {
       <summary>
         Other runs <span>{`${count("fitted")} fitted too, ${count("held out")} held out`}</span>
       </summary>
-      <TextInput aria-label="Search runs" placeholder="Name, tag or note" size="xs" value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
+      <TextInput aria-label="Find other runs" placeholder="Name, tag or note" size="xs" value={text} onChange={(event) => { setText(event.currentTarget.value); }} />
       {runs.length === 0 ? (
         <p className={styles.none}>{data === undefined ? "The library is read." : "No matching runs"}</p>
       ) : (
