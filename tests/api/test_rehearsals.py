@@ -296,7 +296,7 @@ async def test_the_look_ahead_is_made_for_who_looks_and_says_go_or_why_not(conso
     assert said["go"] == (said["caged"]["share"] >= 0.9)
     assert (said["reason"] is None) == said["go"]
     run_id = (await console.snapshot())["run_id"]
-    await console.granted("run", speed=1)
+    await console.granted("run", speed=0.1)  # under way for minutes, whenever the next one is due
     await console.granted("capture")
     async with asyncio.timeout(PATIENCE):
         while "no sequence can begin in phase" not in (said["reason"] or ""):
