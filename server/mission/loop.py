@@ -10,7 +10,7 @@ import threading
 import time
 from typing import Literal
 
-from server.errors import LoopSilent, ServiceBusy
+from server.errors import ServiceBusy
 from server.library.recorder import BACKLOG_LIMIT, Recorder
 from server.library.run_state import RunState
 from server.link.robot_link import RobotLink
@@ -25,28 +25,17 @@ from server.mission.live_mission import LiveMission
 from server.mission.live_run import CUT_OFF_NOTE
 from server.mission.opening import MissionOpener
 from server.mission.pace import Pace
-from server.mission.publisher import PUBLISH_PERIOD, ConfigView, Publisher
+from server.mission.publisher import ConfigView, Publisher
 from server.mission.replies import Replies
 from server.mission.service_problems import ServiceProblems
 from server.mission.situations import Situations
 from server.mission.stops import Stops
+from server.mission.waking import Waking
 from server.process.disk import DiskGuard
 from server.process.realtime import realtime_priority
 from sim.config import MissionConfig
 from sim.control.phases import Phase
 from sim.errors import CaptureError
-
-WAKE_PERIOD = PUBLISH_PERIOD
-"""Between two wake-ups of a simulation [s], unless somebody asks for something: nobody sees what is between."""
-
-IDLE_PERIOD = 0.1
-"""The same while nothing is under way and nobody watches [s]."""
-
-AHEAD = 1.2
-"""How far before they are due ticks are flown, as a multiple of that period: so far may a wake-up be late."""
-
-SITUATION_TIME = 2.0
-"""How long who asks for a state waits for it [s]."""
 
 LoopStatus = Literal["preparing", "ok", "faulted"]
 
@@ -66,9 +55,10 @@ class MissionLoop:
         link: RobotLink | None = None,
     ) -> None:
         """A loop that flies the robot at the other end of the link, or without one the simulation."""
-        self._feed, self._recorder, self._link = feed, recorder, link
-        self._inbox, self._replies, self._situations = Inbox(), Replies(), Situations()
-        self._closing, self._woken_at = threading.Event(), 0.0
+        self._feed, self._recorder = feed, recorder
+        self._inbox, self._replies = Inbox(), Replies()
+        self._situations = Situations(self._inbox.wake)
+        self._closing = threading.Event()
         self._thread = threading.Thread(target=self._live, name="becalm-mission", daemon=True)
         self._mission: LiveMission | None = None
         self._flown_at: float | None = None
@@ -76,6 +66,7 @@ class MissionLoop:
         self.desk = ControlDesk()
         self._armed = ArmedOrder()
         self._clock = MissionClock(config.control.period, self._replies, real_time=link is not None)
+        self._waking = Waking(self._inbox.wake, self.pace, feed, robot=link is not None)
         self._stops = Stops(self._inbox, self._clock, self._armed, link)
         self._opener = MissionOpener(recorder, feed, link)
         problems = ServiceProblems(self.pace, recorder, disk, link)
@@ -168,12 +159,7 @@ class MissionLoop:
         """
         if self._feed.latest is None or self._closing.is_set():
             raise self.not_ready()
-        wanted = self._situations.ask()
-        self._inbox.wake.set()
-        try:
-            return wanted.result(SITUATION_TIME)
-        except TimeoutError:
-            raise LoopSilent("the mission thread gave no state", tip="see GET /api/v1/health") from None
+        return self._situations.get()
 
     def ask(self, request: Request) -> Answer:
         """Put a request before the mission thread.
@@ -205,7 +191,7 @@ class MissionLoop:
             self.failure = f"{type(error).__name__}: {error}"
             return
         while not self._closing.is_set():
-            self._sleep()
+            self._waking.sleep(self._flying)
             self._turn_guarded()
         self._end()
 
@@ -244,24 +230,6 @@ class MissionLoop:
             self._fly(1, now)
         self._publisher.publish(following, now)
 
-    @property
-    def _paced_by_robot(self) -> bool:
-        """Whether each tick waits for the robot's next state, which then is the clock."""
-        return self._link is not None and self._flying.phase is not Phase.FAULTED
-
-    def _sleep(self) -> None:
-        if self._paced_by_robot:
-            self._inbox.wake.clear()
-            return
-        now, period = time.monotonic(), _wake_period(self._flying, self._feed)
-        # By the clock, not by when the last turn ended: the screen wants its pictures at an even rate.
-        wait = self.pace.wait(now, resting=self._flying.resting, longest=period)
-        until = min(now + wait, max(self._woken_at + period, now))
-        if self._inbox.wake.wait(until - now):
-            self._inbox.wake.clear()
-        else:
-            self._woken_at = until
-
     def _turn_guarded(self) -> None:
         try:
             self._turn()
@@ -272,7 +240,7 @@ class MissionLoop:
     def _turn(self) -> None:
         granted = [*self._stops.obey(self._flying), *self._obey_requests()]
         now = time.monotonic()
-        due = self._due(now)
+        due = self._waking.due(self._flying, now)
         if granted and self.pace.running:
             due = max(due, 1)  # what was granted begins with this tick, and the answer names it
         self._fly(due, now)
@@ -284,13 +252,6 @@ class MissionLoop:
         if self._replies.pending or self._publisher.is_due(now):
             self._publisher.publish(flying, now)
         self._replies.deliver()  # after publishing: who has the answer finds it in the snapshot
-
-    def _due(self, now: float) -> int:
-        """Ticks to fly now."""
-        if self._paced_by_robot:
-            self.pace.anchor(now)
-            return 1
-        return self.pace.due(now, resting=self._flying.resting, ahead=AHEAD * _wake_period(self._flying, self._feed))
 
     def _obey_requests(self) -> list[Granted]:
         granted = []
@@ -321,11 +282,6 @@ class MissionLoop:
             self.pace.flown(flown or ticks, now)
             self._flown_at = time.monotonic()
         self._clock.finish_whole_step(self._flying)
-
-
-def _wake_period(flying: LiveMission, feed: Feed) -> float:
-    """Between two wake-ups of a simulation [s]."""
-    return IDLE_PERIOD if flying.resting and not feed.watched else WAKE_PERIOD
 
 
 def _not_ready(failure: str | None, awaited: str, *, ending: bool) -> ServiceBusy:

@@ -117,7 +117,7 @@ class LookAhead:
             return
         run, situation = self._find()
         request = _NEXT.get(situation.phase)
-        if situation.mark.outcome is not None:
+        if situation.mark.happened.outcome is not None:
             raise MissionRefused("this capture has its verdict; one is made again after a reset")
         if request is None:
             raise MissionRefused(f"no sequence can begin in phase {situation.phase.label}")

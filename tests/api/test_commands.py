@@ -253,18 +253,18 @@ async def test_nothing_asked_before_a_stop_moves_the_arms_after_it(console, monk
     """Reset, capture and STOP wait together: without care the STOP would hit the mission that the reset ends."""
     loop = console.services.loop
     held, go_on = threading.Event(), threading.Event()
-    asleep = loop._sleep
+    asleep = loop._waking.sleep
 
-    def hold_the_turn():
+    def hold_the_turn(_flying):
         held.set()
         assert go_on.wait(180)
 
     with monkeypatch.context() as patch:
-        patch.setattr(loop, "_sleep", hold_the_turn)
+        patch.setattr(loop._waking, "sleep", hold_the_turn)
         assert await asyncio.to_thread(held.wait, 10)
         waiting = [loop.ask(Request("reset")), loop.ask(Request("capture"))]
         stop = loop.ask(Request("stop"))
-        patch.setattr(loop, "_sleep", asleep)
+        patch.setattr(loop._waking, "sleep", asleep)
         go_on.set()
         assert (await asyncio.wrap_future(stop)).phase == "stopped"
         for answer in waiting:
