@@ -6,17 +6,16 @@ it describes itself: one of other records than today's is refused, not misread.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 from zipfile import BadZipFile
 
 import numpy as np
 
+from sim.capture.chronicle import Happened
 from sim.capture.events import Ticks
 from sim.capture.mission import Mark, Mission
-from sim.capture.monitor import MONITOR, touches_of
-from sim.capture.stages import visits_after
+from sim.capture.monitor import MONITOR
 from sim.capture.tick import TICK
 from sim.capture.tick_loop import FLIGHT
 from sim.config import Engine, MissionConfig
@@ -30,9 +29,6 @@ from sim.plant.reduced_plant import ReducedPlant
 from sim.record import Record
 
 _Array = np.ndarray[Any, np.dtype[Any]]
-
-_INSTANTS = ("closed_at", "locked_at")
-"""Of the monitor, that are announced once each."""
 
 
 class Beginning(NamedTuple):
@@ -73,7 +69,7 @@ class Beginning(NamedTuple):
             flight["monitor"].copy(),
             flight["known"].copy(),
             mark.own if same else np.zeros(1, method_of(config).memory),
-            mark.last,
+            mark.happened.last,
             "" if command is None else command.value,
         )
 
@@ -106,18 +102,8 @@ class Beginning(NamedTuple):
         flight = np.zeros(1, FLIGHT)
         for name in ("memory", "monitor", "known"):
             flight[name] = getattr(self, name)
-        monitor = flight[0]["monitor"]
-        return Mark(
-            config,
-            flight,
-            self.own,
-            self.state[0],
-            self.last,
-            None,
-            tuple(touches_of(monitor)),
-            tuple(visits_after([], self.last, config)),
-            frozenset(name for name in _INSTANTS if not math.isnan(monitor[name])),
-        )
+        happened = Happened.until(self.last, flight[0]["monitor"], config)
+        return Mark(config, flight, self.own, self.state[0], happened)
 
     def write(self, path: Path) -> None:
         """Write it to a file of numpy's (.npz)."""

@@ -15,26 +15,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.capture.caging import Cage, cage
-from sim.capture.events import (
-    Event,
-    Ticks,
-    closed_event,
-    events_of,
-    fault_event,
-    locked_event,
-    touch_event,
-    verdict_event,
-)
-from sim.capture.monitor import begin_monitoring, outcome_of, touches_of
+from sim.capture.chronicle import Chronicle, Happened
+from sim.capture.events import Event, Ticks, fault_event
+from sim.capture.monitor import begin_monitoring
 from sim.capture.refusal import refusal
 from sim.capture.snapshots import Flown, snapshot_of
-from sim.capture.stages import Visit, visits_after
 from sim.capture.tick import TICK
 from sim.capture.tick_loop import FLIGHT, Flight, control_tick, fly, fly_unrecorded, follow, look, recall
 from sim.compiled import compiling_alone
 from sim.config import Engine, MissionConfig, differences, is_live
 from sim.configurations import require_clear_start, require_shape_for_method
-from sim.control.phases import AT_REST, Command, Phase, Sequence, Verdict, next_phase
+from sim.control.phases import AT_REST, Command, Phase, Sequence, next_phase
 from sim.errors import MissionRefused, PlantDiverged, PlantError
 from sim.method.method import MethodHandle, begin_sequence, enter_phase, method_of
 from sim.method.registry import MethodName
@@ -44,7 +35,7 @@ from sim.perception.perceived import PERCEIVED
 from sim.plant.engine import simulated_plant
 from sim.plant.plant import Plant, copy_state, diverged_at
 from sim.record import Record, packed, record_of
-from sim.snapshot import Outcome, Snapshot, Touch
+from sim.snapshot import Outcome, Snapshot
 
 _prepared: set[tuple[Engine, MethodName, bool]] = set()
 _preparing = threading.Lock()
@@ -92,11 +83,7 @@ class Mark(NamedTuple):
     flight: Flight
     own: np.ndarray[Any, np.dtype[Any]]
     state: Record
-    last: Ticks
-    outcome: Outcome | None
-    touches: tuple[Touch, ...]
-    visits: tuple[Visit, ...]
-    announced: frozenset[str]
+    happened: Happened
 
 
 class Mission:
@@ -130,12 +117,7 @@ class Mission:
         begin_sequence(self._method_handle, self._memory, int(Phase.IDLE), int(Sequence.NONE))
         self._monitor["begun_at"] = math.nan
         self._monitor["open_touch"] = -1
-        self._last = self._start()
-        self._touches: list[Touch] = []
-        self._visits = visits_after([], self._last, config)
-        self._announced: set[str] = set()
-        self._events: list[Event] = []
-        self._outcome: Outcome | None = None
+        self._chronicle = Chronicle(self._start(), config)
 
     @property
     def phase(self) -> Phase:
@@ -165,7 +147,7 @@ class Mission:
     @property
     def outcome(self) -> Outcome | None:
         """How the last sequence ended; None before its verdict."""
-        return self._outcome
+        return self._chronicle.happened.outcome
 
     @property
     def monitor(self) -> Record:
@@ -185,10 +167,7 @@ class Mission:
         begin_sequence(self._method_handle, self._memory, int(phase), int(sequence))
         if sequence is not Sequence.NONE:
             begin_monitoring(self._monitor, self.time, self._plant.state["momentum"])
-            self._outcome = None
-            self._touches = []
-            self._visits = self._visits[-1:]
-            self._announced = set()
+            self._chronicle.begin_sequence()
 
     def refusal(self, command: Command, *, on_robot: bool) -> str:
         """Why a command cannot end well as things stand, with numbers; empty if it can. `request` does not ask."""
@@ -232,7 +211,7 @@ class Mission:
         flown, self._fault = _flown(self._plant, self._method_handle, self._flight, rows)
         rows = rows[:flown]
         if flown:
-            self._announce(rows)
+            self._chronicle.note(rows, self._monitor, self.config)
         self._end_if_faulted()
         return rows
 
@@ -274,7 +253,7 @@ class Mission:
             )
             total += flown
             self._fault = None if finite else _diverged(plant)
-            self._announce(kept_rows[:kept])
+            self._chronicle.note(kept_rows[:kept], self._monitor, self.config)
             on_kept(kept_rows[:kept])
         self._end_if_faulted()
         return total
@@ -282,7 +261,7 @@ class Mission:
     def _end_if_faulted(self) -> None:
         if self._fault is not None:
             enter_phase(self._memory, int(Phase.FAULTED), AT_REST, int(Sequence.NONE))
-            self._events.append(fault_event(self._fault, self.time, self.config.control.period))
+            self._chronicle.add(fault_event(self._fault, self.time, self.config.control.period))
 
     def perceive_as_recorded(self) -> None:
         """Know from here on what the recorded ticks that it follows say was known; such a mission never flies."""
@@ -298,7 +277,7 @@ class Mission:
         done = 0
         while done < len(rows):
             followed = follow(self._method_handle, self._flight, self._plant.state, recorded[done:], rows[done:])
-            self._announce(rows[done : done + followed])
+            self._chronicle.note(rows[done : done + followed], self._monitor, self.config)
             done += followed
         return rows
 
@@ -309,11 +288,7 @@ class Mission:
             self._flight.copy(),
             self._own.copy(),
             self._plant.state.copy(),
-            self._last,
-            self._outcome,
-            tuple(self._touches),
-            tuple(self._visits),
-            frozenset(self._announced),
+            self._chronicle.happened,
         )
 
     def go_back(self, mark: Mark) -> None:
@@ -323,10 +298,7 @@ class Mission:
             self._adopt(mark.config)
         self._flight[:], self._own[:] = mark.flight, mark.own
         copy_state(self._plant.state, mark.state)
-        self._last, self._outcome = mark.last, mark.outcome
-        self._touches, self._announced = list(mark.touches), set(mark.announced)
-        self._visits = list(mark.visits)
-        self._events = []
+        self._chronicle.go_back(mark.happened)
 
     def take_over(self, mark: Mark) -> None:
         """Go on with what another mission remembered at that mark: sequence, beliefs, what was noted of the capture.
@@ -337,9 +309,7 @@ class Mission:
             self._flight[field] = mark.flight[field]
         if mark.config.method == self.config.method:
             self._own[:] = mark.own
-        self._last, self._outcome = mark.last, mark.outcome
-        self._touches, self._announced = list(mark.touches), set(mark.announced)
-        self._visits = list(mark.visits)
+        self._chronicle.go_back(mark.happened)
 
     def tick(self) -> Any:
         """Fly one control tick; its record, one element of `TICK`."""
@@ -347,12 +317,11 @@ class Mission:
 
     def take_events(self) -> list[Event]:
         """The events since the last call, in the order in which they happened."""
-        events, self._events = self._events, []
-        return sorted(events, key=lambda event: event.time)
+        return self._chronicle.take_events()
 
     def cage(self) -> Cage:
         """Whether the hands, if they stayed as in the last tick, cage the target."""
-        row = self._last[-1]
+        row = self._chronicle.happened.last[-1]
         return cage(self.config, row["hand_pose"], row["target_pose"])
 
     def snapshot(self) -> Snapshot:
@@ -362,8 +331,8 @@ class Mission:
 
     def flown(self) -> Flown:
         """What a snapshot of the last tick is made of; it stays as it is while the mission flies on."""
-        monitor, memory = self._monitor.copy(), self._memory.copy()
-        return Flown(self.config, self._last[-1], monitor, memory, tuple(self._visits), self._outcome)
+        happened, monitor, memory = self._chronicle.happened, self._monitor.copy(), self._memory.copy()
+        return Flown(self.config, happened.last[-1], monitor, memory, happened.visits, happened.outcome)
 
     def _adopt(self, config: MissionConfig) -> None:
         self._flight["parameters"] = record_of(config)
@@ -376,41 +345,6 @@ class Mission:
         look(self._flight, self._plant.state, rows[0])
         self._flight["known"] = known  # the first tick perceives this state, and remembers it
         return rows
-
-    def _announce(self, rows: Ticks) -> None:
-        """Events of the ticks just flown, and the outcome if they reached a verdict."""
-        self._events += events_of(rows, self._last, self.config)
-        self._visits = visits_after(self._visits, rows, self.config)
-        self._last = rows[-1:].copy()
-        if math.isnan(self._monitor["begun_at"]):
-            return
-        self._announce_touches()
-        self._announce_once("closed_at", closed_event)
-        self._announce_once("locked_at", locked_event)
-        if self._outcome is None and self._monitor["verdict"] != Verdict.NONE:
-            self._outcome = outcome_of(self._monitor, self.config, float(rows[-1]["target_twist"][2]), self.cage())
-            at = float(self._monitor["verdict_at"])
-            self._events.append(verdict_event(self._outcome, at, self.config.control.period))
-
-    def _announce_touches(self) -> None:
-        """Events of the touches that have begun or ended since the last call."""
-        if not self._monitor["touch_count"]:
-            return
-        period = self.config.control.period
-        touches = touches_of(self._monitor)
-        for place, touch in enumerate(touches):
-            if place >= len(self._touches):
-                self._events.append(touch_event(touch.model_copy(update={"end": None}), period))
-            if touch.end is not None and (place >= len(self._touches) or self._touches[place].end is None):
-                self._events.append(touch_event(touch, period))
-        self._touches = touches
-
-    def _announce_once(self, field: str, event: Callable[[float, float], Event]) -> None:
-        """The event of a noted instant [s], the first time that it is there."""
-        instant = float(self._monitor[field])
-        if not math.isnan(instant) and field not in self._announced:
-            self._announced.add(field)
-            self._events.append(event(instant, self.config.control.period))
 
 
 def _flown(plant: Plant, method: MethodHandle, flight: Flight, rows: Ticks) -> tuple[int, PlantError | None]:

@@ -49,7 +49,7 @@ class Situation:
         Whose last belief was the truth to the last bit reads the next state as well: that it is then. A robot's mission
         time is its clock's; futures count theirs by ticks, so that theirs begin at the nearest one.
         """
-        last, known, state = mark.last[0], mark.flight[0]["known"], np.zeros(1, PLANT_STATE)[0]
+        last, known, state = mark.happened.last[0], mark.flight[0]["known"], np.zeros(1, PLANT_STATE)[0]
         remembered = known["time"] == last["time"] and known["base_pose"].any()
         perfect = remembered and all(np.array_equal(known[name], last[name]) for name in _BELIEVED)
         if perfect and last["tick"] < mark.state["tick"] == next_tick:
@@ -91,7 +91,7 @@ class Situation:
         if not followed:
             raise MissionRefused(f"at = {at:g} s: no tick is recorded until then", tip="take a later time")
         mark = follower.mission.mark()
-        return cls.at(mark, int(mark.last[0]["tick"]) + 1)
+        return cls.at(mark, int(mark.happened.last[0]["tick"]) + 1)
 
     @property
     def config(self) -> MissionConfig:
@@ -162,12 +162,12 @@ class Situation:
                 f"request = {request.value}: a hand touches the target, and no sequence can begin there",
                 tip="leave request out to go on with what is under way, or release the target first",
             )
-        if speaks_against := refusal(request, config, self.mark.last[0], on_robot=False):
+        if speaks_against := refusal(request, config, self.mark.happened.last[0], on_robot=False):
             raise MissionRefused(speaks_against)
 
     def _require_under_way(self, config: MissionConfig) -> None:
         memory, known = self.mark.flight[0]["memory"], ", ".join(each.value for each in REQUESTS)
-        if self.mark.outcome is not None or memory["sequence"] in (Sequence.NONE, Sequence.DETUMBLE_ONLY):
+        if self.mark.happened.outcome is not None or memory["sequence"] in (Sequence.NONE, Sequence.DETUMBLE_ONLY):
             raise MissionRefused(
                 f"request = none: no capture is under way in phase {self.phase.label}", tip=f"name one of {known}"
             )
