@@ -40,7 +40,7 @@ REMOVED: Mapping[str, str] = {
 }
 """Settings of earlier versions, and what holds instead."""
 
-ROBOT_CONFIGURATION = "testbed"
+ROBOT_CONFIGURATION = "testbed_becalm"
 """What a mission with a robot opens with, unless another is chosen."""
 
 LogLevel = Literal["debug", "info", "warning", "error"]
@@ -120,7 +120,7 @@ class Settings(BaseSettings):
     realtime: bool = Field(False, description="Whether the system runs this process before others (Linux, if it may)")
     configuration: str = Field(
         DEFAULT_CONFIGURATION,
-        description="Named configuration that the live mission opens with; with a robot testbed, unless given",
+        description="Named configuration that the live mission opens with; with a robot testbed_becalm, unless given",
     )
     changes: dict[str, Any] = Field(default_factory=dict, description="Nested changes to that configuration")
     study_workers: int = Field(

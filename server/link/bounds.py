@@ -29,7 +29,7 @@ class Bounds(BaseModel):
 
     force: float = _bound(50.0, "Range of a wrist's sensor, each axis [N]", le=1e5)
     torque: float = _bound(5.0, "Range of a wrist's sensor, each axis [N m]", le=1e5)
-    force_jump: float = _bound(4.0, "Change of a wrist's force from one reading to the next [N]", le=1e5)
+    force_jump: float = _bound(10.0, "Change of a wrist's force from one reading to the next [N]", le=1e5)
     torque_jump: float = _bound(0.2, "Change of a wrist's torque from one reading to the next [N m]", le=1e5)
     joint_angle: float = _bound(2.0 * math.pi, "Of a joint, either way [rad]", le=1e3)
     joint_rate: float = _bound(20.0, "Of a joint, either way [rad/s]", le=1e3)

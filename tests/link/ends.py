@@ -49,6 +49,8 @@ REACHED = 0.02
 """How far a target may have drifted and be captured as at the start [m]."""
 MOVING = 0.05
 """A joint that is this quick moves [rad/s]."""
+RESTS = 0.01
+"""A joint that is slower rests [rad/s]: what braking leaves in the plant's joints swings through zero for some periods."""
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -251,7 +253,7 @@ class Robot:
         return moved < REACHED and abs(status["target_twist"][2] - target.initial_spin) < 0.1 * target.initial_spin
 
     def at_rest(self) -> bool:
-        return all(abs(rate) < 1e-3 for arm in self.status["joint_rate"] for rate in arm)
+        return all(abs(rate) < RESTS for arm in self.status["joint_rate"] for rate in arm)
 
 
 class Flight:

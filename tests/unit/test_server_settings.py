@@ -24,7 +24,7 @@ def test_flags_win_over_the_environment(tmp_path):
 
 def test_a_robot_is_flown_with_the_testbed_unless_told_otherwise():
     settings = Settings.from_environment({"BECALM_PLANT": "zenoh", "BECALM_CONNECT": "tcp/a:1,tls/b:2"})
-    assert settings.configuration == "testbed"
+    assert settings.configuration == "testbed_becalm"
     assert settings.connect == ("tcp/a:1", "tls/b:2")
     assert Settings.from_environment({}, plant="zenoh", configuration="as_printed").configuration == "as_printed"
 
