@@ -50,7 +50,7 @@ REACHED = 0.02
 MOVING = 0.05
 """A joint that is this quick moves [rad/s]."""
 RESTS = 0.01
-"""A joint that is slower rests [rad/s]: what braking leaves in the plant's joints swings through zero for some periods."""
+"""A joint that is slower rests [rad/s]: what braking leaves in the joints swings through zero for some periods."""
 
 T = TypeVar("T")
 P = ParamSpec("P")
