@@ -31,6 +31,7 @@ from numba.core.sigutils import normalize_signature
 import sim.code_library  # noqa: F401  # numba takes its libraries of code from there
 
 FloatArray = np.ndarray[Any, np.dtype[np.float64]]
+IntArray = np.ndarray[Any, np.dtype[np.int64]]
 """Double-precision array; the docstring of the function that takes or returns it says its shape."""
 
 _P = ParamSpec("_P")

@@ -17,14 +17,12 @@ searched over the shape's symmetry angle only, at whose ends it is the same shap
 from __future__ import annotations
 
 import math
-from heapq import heappop, heappush
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.compiled import FloatArray, compiled, compiled_inline
-from sim.config import ArmConfig, MissionConfig
+from sim.compiled import FloatArray, IntArray, compiled, compiled_inline
+from sim.config import MissionConfig
 from sim.model.clearance import hand_outline
 from sim.model.planar import cross, direction, rotated
 from sim.model.robot import JOINTS, RobotModel
@@ -35,6 +33,10 @@ from sim.record import packed
 _POSITION_STEP = 1.5e-3
 _ANGLE_STEP = math.radians(1.0)
 _MOST_STEPS = 400  # from the hands' middle outwards: what is larger has a coarser grid, and the margin its error
+_ABREAST = 4  # sides of a shape
+_BITS = 64  # of a word that says which places have been looked at
+_ROOM = 4096  # places that wait in a search, before its arrays grow
+_ROUNDING = 1e-9  # by which a bound may be above what it bounds, at most [m]
 _OUTLINE_SPACING = 12e-3  # between discs along fingers and palm: what they leave out only lessens the margin
 
 
@@ -178,7 +180,8 @@ def cage(config: MissionConfig, hand_pose: FloatArray, target_pose: FloatArray) 
     that a positive margin is a proof up to rounding. Only the hands count, neither links nor base.
     """
     shape = target_shape(config.target)
-    discs = _hand_discs(config.robot.arm, hand_pose)
+    hand = config.robot.arm.hand
+    discs = _hand_discs(hand_outline(config.robot.arm), hand.tip_radius, hand.finger_radius, hand_pose)
     middle = discs[:, :2].mean(axis=0)
     discs[:, :2] -= middle
     reach = float(np.hypot(discs[:, 0], discs[:, 1]).max() + discs[:, 2].max() + shape.corner_circle)
@@ -193,46 +196,123 @@ def cage(config: MissionConfig, hand_pose: FloatArray, target_pose: FloatArray) 
     return Cage(caged=margin > 0.0, margin=margin)
 
 
-def _hand_discs(arm: ArmConfig, hand_pose: FloatArray) -> FloatArray:
-    """Tips, fingers and palms as discs (x, y, radius) [m], world, shape (n, 3)."""
-    outline = hand_outline(arm)
-    discs = []
-    for pose in hand_pose:
-        points = [np.array([pose[0], pose[1]]) + rotated(pose[2], *point) for point in outline]
-        discs += [(*points[end], arm.hand.tip_radius) for end in (0, -1)]
-        for start, end in pairwise(points):
-            count = max(2, math.ceil(float(np.hypot(*(end - start))) / _OUTLINE_SPACING) + 1)
-            discs += [(*(start + part * (end - start)), arm.hand.finger_radius) for part in np.linspace(0, 1, count)]
+@compiled
+def _hand_discs(outline: FloatArray, tip_radius: float, finger_radius: float, hand_pose: FloatArray) -> FloatArray:
+    """Tips, fingers and palms as discs (x, y, radius) [m], world, shape (n, 3).
+
+    Args:
+        outline: of a hand in its own frame, shape (points, 2) [m]; tips are at its ends.
+        tip_radius: [m].
+        finger_radius: of the rest [m].
+        hand_pose: of both hands, shape (2, 3), world.
+
+    """
+    discs, points = [(0.0, 0.0, 0.0) for _ in range(0)], np.empty_like(outline)
+    for arm in range(2):
+        for place in range(len(outline)):
+            dx, dy = rotated(hand_pose[arm, 2], outline[place, 0], outline[place, 1])
+            points[place, 0], points[place, 1] = hand_pose[arm, 0] + dx, hand_pose[arm, 1] + dy
+        for x, y in (points[0], points[-1]):
+            discs.append((x, y, tip_radius))
+        for place in range(len(outline) - 1):
+            (x, y), (along_x, along_y) = points[place], points[place + 1] - points[place]
+            count = max(2, math.ceil(math.hypot(along_x, along_y) / _OUTLINE_SPACING) + 1)
+            for part in np.linspace(0.0, 1.0, count):
+                discs.append((x + part * along_x, y + part * along_y, finger_radius))
     return np.array(discs)
+
+
+class _Grid(NamedTuple):
+    """The grid that is searched: (x, y) about the hands' middle and the symmetry angle, periodic."""
+
+    size: int
+    """Places along x and along y; odd."""
+    step: float
+    """Between two of them [m]."""
+    turns: int
+    """Places of the angle."""
+    turn: float
+    """Between two of them [rad]."""
+    cosine: FloatArray
+    """Of each, shape (turns,)."""
+    sine: FloatArray
+    normals: FloatArray
+    """Of the shape's sides at each angle, shape (turns, sides, 2), with zeros up to a multiple of `_ABREAST` sides."""
+    beyond: FloatArray
+    """How far each disc's edge would be outside of each side's line if the target were in the middle [m].
+
+    Shape (turns, sides, discs), and minus infinity where there is no side. What a target aside has less is the same for
+    all discs: one subtraction gives the distance from a side's line, and the largest of these is the least that the
+    distance from the shape can be.
+    """
+
+
+@compiled
+def _grid(discs: FloatArray, shape: Shape, size: int, step: float, turns: int) -> _Grid:
+    """A grid of that size, step [m] and turns."""
+    turn = shape.symmetry_angle / turns
+    cosine, sine = np.empty(turns), np.empty(turns)
+    rows = _ABREAST * math.ceil(shape.sides / _ABREAST)
+    normals, beyond = np.zeros((turns, rows, 2)), np.full((turns, rows, discs.shape[0]), -math.inf)
+    for k in range(turns):
+        c, s = cosine[k], sine[k] = direction(k * turn)
+        for side in range(shape.sides):
+            x, y = shape.normals[side, 0], shape.normals[side, 1]
+            nx, ny = normals[k, side] = c * x - s * y, s * x + c * y
+            for place in range(discs.shape[0]):
+                along = nx * discs[place, 0] + ny * discs[place, 1]
+                beyond[k, side, place] = along - shape.offsets[side] - shape.rounding - discs[place, 2]
+    return _Grid(size, step, turns, turn, cosine, sine, normals, beyond)
 
 
 @compiled
 def _clearance(
-    discs: FloatArray, shape: Shape, x: float, y: float, c: float, s: float, nearest: int
+    discs: FloatArray, shape: Shape, grid: _Grid, i: int, j: int, k: int, nearest: int, least: FloatArray
 ) -> tuple[float, int]:
-    """Smallest distance [m] of the target from the discs, and of which disc; negative where they overlap.
+    """Smallest distance [m] of the target at a place of the grid from the discs, and of which disc; negative inside.
 
     Args:
         discs: (x, y, radius) [m], shape (n, 3).
         shape: of the target.
-        x: of its centre [m].
-        y: likewise.
-        c: cosine of its angle.
-        s: its sine.
+        grid: that is searched.
+        i: place along x.
+        j: along y.
+        k: of the angle.
         nearest: the disc that is looked at first: the nearer it is, the fewer of the others are.
+        least: scratch, shape (n,).
 
     """
-    dx, dy = discs[nearest, 0] - x, discs[nearest, 1] - y
-    first = nearest
-    smallest: float = signed_distance(shape, c * dx + s * dy, c * dy - s * dx) - discs[nearest, 2]
-    for place in range(discs.shape[0]):
-        dx, dy = discs[place, 0] - x, discs[place, 1] - y
-        within = smallest + shape.corner_circle + discs[place, 2]  # farther away than that, it cannot be smaller
-        if within > 0.0 and dx * dx + dy * dy < within * within and place != first:
-            away = signed_distance(shape, c * dx + s * dy, c * dy - s * dx) - discs[place, 2]
+    x, y = (i - grid.size // 2) * grid.step, (j - grid.size // 2) * grid.step
+    c, s = grid.cosine[k], grid.sine[k]
+    _find_least(grid, x, y, k, least)
+    smallest = _distance(discs, shape, x, y, c, s, nearest)
+    least[nearest] = math.inf
+    for place in range(least.shape[0]):
+        if least[place] < smallest:
+            away = _distance(discs, shape, x, y, c, s, place)
             if away < smallest:
                 smallest, nearest = away, place
     return smallest, nearest
+
+
+@compiled_inline
+def _find_least(grid: _Grid, x: float, y: float, k: int, least: FloatArray) -> None:
+    """The least that each disc's distance from the target there can be [m]: four sides abreast, all discs at once."""
+    least[:] = -math.inf
+    for first in range(0, grid.beyond.shape[1], _ABREAST):
+        normals, beyond = grid.normals[k, first : first + _ABREAST], grid.beyond[k, first : first + _ABREAST]
+        a, b = normals[0, 0] * x + normals[0, 1] * y + _ROUNDING, normals[1, 0] * x + normals[1, 1] * y + _ROUNDING
+        c, d = normals[2, 0] * x + normals[2, 1] * y + _ROUNDING, normals[3, 0] * x + normals[3, 1] * y + _ROUNDING
+        for place in range(least.shape[0]):
+            largest = max(beyond[0, place] - a, beyond[1, place] - b, beyond[2, place] - c, beyond[3, place] - d)
+            least[place] = max(least[place], largest)
+
+
+@compiled_inline
+def _distance(discs: FloatArray, shape: Shape, x: float, y: float, c: float, s: float, place: int) -> float:
+    """Of the target there, turned by the angle of that cosine and sine, from a disc [m]."""
+    dx, dy = discs[place, 0] - x, discs[place, 1] - y
+    return float(signed_distance(shape, c * dx + s * dy, c * dy - s * dx) - discs[place, 2])
 
 
 @compiled
@@ -243,33 +323,85 @@ def _clearance_on_the_way_out(
 
     The grid spans (x, y) within `reach` of the hands' middle and the symmetry angle in that many turns, periodic.
     """
-    n = 2 * math.ceil(reach / step) + 1
-    turn = shape.symmetry_angle / turns
-    cosine, sine = np.empty(turns), np.empty(turns)
-    for k in range(turns):
-        cosine[k], sine[k] = direction(k * turn)
+    n, count, least = 2 * math.ceil(reach / step) + 1, discs.shape[0], np.empty(discs.shape[0])
+    grid = _grid(discs, shape, n, step, turns)
+    seen = np.zeros(n * n * turns // _BITS + 1, np.int64)  # a bit a place: bytes would take longer to clear than to use
+    keys, places, waiting = np.empty(_ROOM), np.empty(_ROOM, np.int64), 0
     i, j = round(start[0] / step) + n // 2, round(start[1] / step) + n // 2
-    k = round((start[2] % shape.symmetry_angle) / turn) % turns if turn > 0.0 else 0
-    visited = np.zeros((n, n, turns), np.bool_)  # a way out of a cage turns more than it moves
-    visited[i, j, k] = True
-    free, nearest = _clearance(discs, shape, (i - n // 2) * step, (j - n // 2) * step, cosine[k], sine[k], 0)
-    heap = [(-free, k, i, j, nearest)]
+    k = round((start[2] % shape.symmetry_angle) / grid.turn) % turns if grid.turn > 0.0 else 0
+    _see(seen, (k * n + i) * n + j)
+    free, nearest = _clearance(discs, shape, grid, i, j, k, 0, least)
+    waiting = _push(keys, places, waiting, -free, ((k * n + i) * n + j) * count + nearest)
     rising, worst = True, math.inf
-    while len(heap) > 0:
-        negative, k, i, j, nearest = heappop(heap)
+    while waiting > 0:
+        negative, place, nearest = keys[0], places[0] // count, places[0] % count
+        i, j, k = place // n % n, place % n, place // (n * n)
+        waiting = _drop_first(keys, places, waiting)
         if i in (0, n - 1) or j in (0, n - 1):
             return worst
-        before = len(heap)
+        before = waiting
+        if waiting + 6 > len(keys):
+            keys, places = np.concatenate((keys, keys)), np.concatenate((places, places))
         for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
             a, b, c = i + di, j + dj, (k + dk) % turns
-            if not visited[a, b, c]:
-                visited[a, b, c] = True
-                x, y = (a - n // 2) * step, (b - n // 2) * step
-                free, there = _clearance(discs, shape, x, y, cosine[c], sine[c], nearest)
-                heappush(heap, (-free, c, a, b, there))
+            if _see(seen, (c * n + a) * n + b):
+                free, there = _clearance(discs, shape, grid, a, b, c, nearest, least)
+                waiting = _push(keys, places, waiting, -free, ((c * n + a) * n + b) * count + there)
         # A target that still presses on a tip first rises to the clearest place nearby: that is not a way out.
-        if rising and (len(heap) == before or heap[0][0] >= negative):
+        if rising and (waiting == before or keys[0] >= negative):
             rising = False
         if not rising:
             worst = min(worst, -negative)
     return -math.inf
+
+
+@compiled_inline
+def _see(seen: IntArray, place: int) -> bool:
+    """Note that a place has been looked at; whether it had not been before."""
+    word, bit = place // _BITS, np.int64(1) << (place % _BITS)
+    if seen[word] & bit:
+        return False
+    seen[word] |= bit
+    return True
+
+
+@compiled
+def _push(keys: FloatArray, places: IntArray, waiting: int, key: float, place: int) -> int:
+    """Put a place into the binary heap of those that wait, the smallest key first; how many there are now.
+
+    (A heap of Python's own takes twice as long, compiled.)
+    """
+    _rise(keys, places, waiting, key, place)
+    return waiting + 1
+
+
+@compiled
+def _drop_first(keys: FloatArray, places: IntArray, waiting: int) -> int:
+    """Take the first place out of the heap; how many wait still."""
+    waiting -= 1
+    at, child = 0, 1
+    while child < waiting:
+        other = child + 1
+        child += other < waiting and _precedes(keys[other], places[other], keys[child], places[child])
+        keys[at], places[at] = keys[child], places[child]
+        at, child = child, 2 * child + 1
+    _rise(keys, places, at, keys[waiting], places[waiting])
+    return waiting
+
+
+@compiled_inline
+def _rise(keys: FloatArray, places: IntArray, at: int, key: float, place: int) -> None:
+    """Put a place where the heap has an empty one, or above it, where it belongs."""
+    while at > 0:
+        above = (at - 1) // 2
+        if _precedes(keys[above], places[above], key, place):
+            break
+        keys[at], places[at] = keys[above], places[above]
+        at = above
+    keys[at], places[at] = key, place
+
+
+@compiled_inline
+def _precedes(key: float, place: int, other_key: float, other_place: int) -> bool:
+    """Whether one comes before another: the same search, whatever the order in which equal ones were found."""
+    return bool((key < other_key) | ((key == other_key) & (place < other_place)))

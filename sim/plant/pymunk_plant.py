@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pymunk
 
-from sim.compiled import FloatArray, compiled
+from sim.compiled import FloatArray, IntArray, compiled
 from sim.config import HandMount, MissionConfig
 from sim.errors import PlantDiverged
 from sim.model.clearance import hand_outline, initial_base_pose, initial_target_pose
@@ -54,8 +54,6 @@ from sim.plant.chipmunk import (
 from sim.plant.contact import tip_contact
 from sim.plant.plant import PLANT_STATE, advance_plant, air_table, diverged_at, register_kernel
 from sim.record import Record, code_of, packed, record_of
-
-IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
 BODIES = 10
 TARGET = 9

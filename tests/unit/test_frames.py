@@ -23,7 +23,7 @@ from server.reports.drawing import draw
 from server.scene.cage import corners_in_base
 from server.scene.figures import base_place, tip_points
 from server.scene.solids import Solid, turn
-from sim.capture.caging import _clearance, _way_along
+from sim.capture.caging import _clearance, _grid, _way_along
 from sim.capture.tick import TICK
 from sim.config import MissionConfig, TargetConfig
 from sim.model.clearance import corner_overlap
@@ -128,10 +128,12 @@ class TestShapesAtPoses:
         assert (contact.force_x, contact.force_y) == pytest.approx(point(push))
 
     def test_discs_around_a_target(self):
-        centre = at(POSE, -0.07 - 0.03, 0.01)
-        x, y, angle = POSE
-        far, near = [5.0, 5.0, 0.01], [*point(centre), 0.01]
-        found, nearest = _clearance(np.array([far, near]), WEDGE, x, y, math.cos(angle), math.sin(angle), 0)
+        """At a place of the grid that is searched for a way out, aside and turned."""
+        pose = np.array([0.05, -0.03, 7 * 2.0 * math.pi / 12])
+        far, near = [5.0, 5.0, 0.01], [*point(at(pose, -0.07 - 0.03, 0.01)), 0.01]
+        discs, least = np.array([far, near]), np.empty(2)
+        grid = _grid(discs, WEDGE, 41, 0.01, 12)
+        found, nearest = _clearance(discs, WEDGE, grid, 20 + 5, 20 - 3, 7, 0, least)
         assert found == pytest.approx(0.02)
         assert nearest == 1
 
