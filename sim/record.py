@@ -57,7 +57,12 @@ def record_of(model: BaseModel) -> Record:
 
 def code_of(choice: StrEnum) -> int:
     """The place of a choice in its enumeration, by which compiled code knows it."""
-    return list(type(choice)).index(choice)
+    return _codes(type(choice))[choice]
+
+
+@lru_cache
+def _codes(choices: type[StrEnum]) -> dict[StrEnum, int]:
+    return {choice: place for place, choice in enumerate(choices)}
 
 
 def packed(values: Any) -> np.ndarray[Any, np.dtype[Any]]:
@@ -66,9 +71,16 @@ def packed(values: Any) -> np.ndarray[Any, np.dtype[Any]]:
     Compiled code hands a record on as one address; a named tuple, array by array.
     """
     result = np.zeros(1, _packed_dtype(values))
-    for name, value in zip(values._fields, values, strict=True):
-        result[name] = packed(value) if isinstance(value, tuple) else value
+    _fill(result, values)
     return result
+
+
+def _fill(record: np.ndarray[Any, np.dtype[Any]], values: Any) -> None:
+    for name, value in zip(values._fields, values, strict=True):
+        if isinstance(value, tuple):
+            _fill(record[name], value)
+        else:
+            record[name] = value
 
 
 def _packed_dtype(values: Any) -> np.dtype[Any]:
@@ -83,9 +95,10 @@ def _packed_dtype(values: Any) -> np.dtype[Any]:
     return np.dtype(fields, align=True)
 
 
-def _names(model: type[BaseModel]) -> list[str]:
+@lru_cache
+def _names(model: type[BaseModel]) -> tuple[str, ...]:
     """The fields that are numbers, choices or groups; the version of the parameters' names is none of them."""
-    return [name for name, field in model.model_fields.items() if name != VERSION and field.annotation != Points]
+    return tuple(name for name, field in model.model_fields.items() if name != VERSION and field.annotation != Points)
 
 
 def _values(model: BaseModel) -> tuple[Any, ...]:

@@ -8,6 +8,7 @@ velocity, left joints 1-3, right joints 1-3, left mount, right mount), shape (11
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -82,8 +83,13 @@ def robot_model(config: RobotConfig) -> RobotModel:
 
 
 def base_shape(config: BaseConfig) -> Shape:
-    """The rectangle of a configured base, about its centre of mass."""
-    return rectangle(config.width, config.depth, config.centre_of_mass_ahead)
+    """The rectangle of a configured base, about its centre of mass; not to be written to."""
+    return _base_shape(config.width, config.depth, config.centre_of_mass_ahead)
+
+
+@lru_cache(maxsize=64)
+def _base_shape(width: float, depth: float, ahead: float) -> Shape:
+    return rectangle(width, depth, ahead)
 
 
 @compiled_inline

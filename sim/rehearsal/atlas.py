@@ -13,7 +13,7 @@ from pydantic import Field
 
 from sim.capture.mission import prepare
 from sim.config import PARAMETERS, MissionConfig, value_at
-from sim.configurations import nested, revised
+from sim.configurations import revised
 from sim.control.phases import Command
 from sim.errors import CaptureError, ConfigError
 from sim.rehearsal.futures import Flown, fly_future, rehearsed
@@ -88,7 +88,7 @@ class Atlas:
 
         """
         values = {self.x.path: _typed(self.x, x), self.y.path: _typed(self.y, y)}
-        return rehearsed(revised(self.config, nested(values)), SETTLE)
+        return rehearsed(self.config, SETTLE, values)
 
     def present(self, axis: AtlasAxis) -> float:
         """The value that is configured now."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -59,20 +60,27 @@ class Flown:
     """Why it could not be flown to its end."""
 
 
-def rehearsed(config: MissionConfig, settle: float | None = None) -> MissionConfig:
+def rehearsed(
+    config: MissionConfig, settle: float | None = None, values: Mapping[str, Any] = MappingProxyType({})
+) -> MissionConfig:
     """A configuration as futures fly it: in the reduced engine, judged that long after the arms have locked [s].
 
+    Args:
+        config: what it is made of.
+        settle: at most; None leaves it as it is.
+        values: by path, that take the place of those of the configuration first.
+
     Raises:
-        ConfigError: the step is too long for its contacts in that engine.
+        ConfigError: a value does not fit, or the step is too long for its contacts in that engine.
 
     """
     own = SimulationConfig.model_fields
-    paths: dict[str, Any] = {
+    paths: dict[str, Any] = dict(values) | {
         f"simulation.{name}": own[name].default for name in ("solver_iterations", "joint_error_time", "collision_slop")
     }
     paths["simulation.engine"] = Engine.REDUCED.value
     if settle is not None:
-        paths["judging.hold_time"] = min(settle, config.judging.hold_time)
+        paths["judging.hold_time"] = min(settle, values.get("judging.hold_time", config.judging.hold_time))
     return revised(config, nested(paths))
 
 

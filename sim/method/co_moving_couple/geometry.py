@@ -20,6 +20,7 @@ QUARTER_TURN = 0.5 * math.pi
 _HALVINGS = 50
 
 
+@compiled
 def closed_radius(robot: RobotModel, shape: Shape) -> float:
     """How far a hand's centre is from that of a target whose corner it faces, where both its tips touch [m].
 
