@@ -70,6 +70,7 @@ from server.process.aside import Aside
 from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import shorten_switch_interval
 from server.rehearsals.foreseen import Foreseen
+from server.rehearsals.jobs import WarmUpJob
 from server.rehearsals.look_ahead import LookAhead
 from server.rehearsals.queue import NICENESS_OF_FITS, RehearsalQueue
 from server.scene import Scene
@@ -141,7 +142,13 @@ def _compose(settings: Settings) -> Services:
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
     link = link_from_settings(settings, initial)
     loop, rehearsal_queue = MissionLoop(settings.configuration, initial, feed, recorder, disk, link), RehearsalQueue()
-    look_ahead = LookAhead(rehearsal_queue, loop.situation, settings.go_odds, settings.go_peak_force)
+    look_ahead = LookAhead(
+        rehearsal_queue,
+        loop.situation,
+        lambda: None if feed.latest is None else feed.latest.phase,
+        settings.go_odds,
+        settings.go_peak_force,
+    )
     return Services(
         settings=settings,
         access=access_from_settings(settings),
@@ -159,7 +166,7 @@ def _compose(settings: Settings) -> Services:
         rehearsals=rehearsal_queue,
         fits=RehearsalQueue(NICENESS_OF_FITS),
         look_ahead=look_ahead,
-        foreseen=Foreseen(recorder, look_ahead),
+        foreseen=Foreseen(recorder, look_ahead, rehearsal_queue, loop.situation),
         aside=Aside(),
         alarms=AlarmWatch(
             feed,
@@ -239,6 +246,8 @@ async def _warm_up(services: Services) -> None:
     while services.feed.latest is None:
         await asyncio.sleep(WARM_UP_PERIOD)
     await services.aside.warm_up()
+    if services.settings.prepare_rehearsals:  # the first page that opens asks for a look-ahead
+        services.rehearsals.add(WarmUpJob(services.loop.view.config))
 
 
 async def _end(services: Services, projector: Projector) -> None:

@@ -140,6 +140,11 @@ class Settings(BaseSettings):
     go_peak_force: float | None = Field(
         None, gt=0, description="Force that 95 % of those futures must stay below [N]; none: any"
     )
+    prepare_rehearsals: bool = Field(
+        True,
+        description="Whether the worker of rehearsals starts with the service, not with the first page that opens: it"
+        " takes 0.3 GB, for five minutes where nobody asks",
+    )
     require_tokens: bool | None = Field(
         None, description="Whether a token is needed; none: beyond loopback it is, on loopback it is not"
     )

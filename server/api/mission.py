@@ -17,6 +17,7 @@ from server.errors import LoopSilent
 from server.library.changes import base_name
 from server.library.plotted import History
 from server.library.record import LoggedEvent
+from server.library.run_state import RunState
 from server.mission.arming import ARMED_TIME
 from server.mission.fork import Fork, ForkParent, forked
 from server.mission.inbox import CommandAnswer, Request, Revision, arguments_of
@@ -167,9 +168,22 @@ async def command(services: ServicesDep, asker: AskerDep, patience: PatienceDep,
         fork=fork,
         arming=body.arming,
     )
+    before = await _state_before(services, body.command)
     answer = await answered(services, request, ANSWER_TIME + (STEP_TIME * ticks if body.command == "step" else 0.0))
-    services.foreseen.begun(services.loop.flight.run_id, body.command, services.loop.view.config)
+    if before is None:
+        services.foreseen.begun(services.loop.flight.run_id, body.command, services.loop.view.config)
+    else:
+        await asyncio.to_thread(services.foreseen.begun_unforeseen, before, body.command)
     return answer
+
+
+async def _state_before(services: Services, command: str) -> RunState | None:
+    """The state at the press of a command that somebody would have looked ahead of, had there been the time."""
+    if services.loop.status != "ok":
+        return None
+    if not services.foreseen.is_wanted(services.loop.flight.run_id, command, services.loop.view.config):
+        return None
+    return await asyncio.to_thread(services.foreseen.state)
 
 
 @router.post("/arming", responses=responses(409, 422, 504))

@@ -78,8 +78,8 @@ class Recorder:
         self._do_soon(lambda: self._with_writer(lambda writer: writer.log(event)))
 
     def keep_foreseen(self, run_id: str, outline: bytes) -> None:
-        """Keep what was foreseen of the run, if it is still the one that is written."""
-        self._do_soon(lambda: self._with_writer(lambda writer: writer.keep_foreseen(run_id, outline)))
+        """Keep what was foreseen of a run (JSON), whether it is still written or not."""
+        self._do_soon(lambda: self._store.keep_foreseen(run_id, outline))
 
     def revise(self, **changes: Any) -> None:
         """Change the run's record."""

@@ -10,16 +10,18 @@ import re
 import secrets
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
 from server.errors import StoredUnreadable
-from server.files import remove_folder
+from server.files import remove_folder, replace_file
 from server.instants import wall_clock
 from server.library.folder import (
     BEGINNING_NAME,
     CANCEL_NAME,
+    FORESEEN_NAME,
     LOCK_NAME,
     LOST_AT_MOST,
     RECORD_NAME,
@@ -179,6 +181,11 @@ class RunStore:
         with self.remarks_lock:
             read_remarks(folder)
             write_remarks(folder, remarks)
+
+    def keep_foreseen(self, run_id: str, outline: bytes) -> None:
+        """Keep what was foreseen of a run (JSON); of one that is gone nothing is."""
+        with suppress(RunNotFound, FileNotFoundError):
+            replace_file(self._folder(run_id) / FORESEEN_NAME, outline)
 
     def cancel(self, run_id: str) -> None:
         """Ask the process that writes this run to end it."""

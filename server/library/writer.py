@@ -11,8 +11,7 @@ from typing import Any, BinaryIO
 
 from mcap.records import Schema
 
-from server.files import replace_file
-from server.library.folder import CANCEL_NAME, EVENTS_NAME, FORESEEN_NAME, LOCK_NAME, LOG_NAME, write_record
+from server.library.folder import CANCEL_NAME, EVENTS_NAME, LOCK_NAME, LOG_NAME, write_record
 from server.library.record import LoggedEvent, RunRecord, TickArray
 from server.log.writer import LogWriter
 from sim.file_lock import ProcessLock
@@ -93,11 +92,6 @@ class RunWriter:
         """Append one event."""
         self._open_log().log(event)
         self._events.write(event.model_dump_json(exclude_none=True).encode() + b"\n")
-
-    def keep_foreseen(self, run_id: str, outline: bytes) -> None:
-        """Keep what was foreseen of the run (JSON), if this is the run."""
-        if run_id == self.record.id:
-            replace_file(self._folder / FORESEEN_NAME, outline)
 
     def _open_log(self) -> LogWriter:
         if self._log is None:

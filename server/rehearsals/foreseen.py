@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
+from server.errors import LoopSilent, ServiceBusy
 from server.library.recorder import Recorder
-from server.rehearsals.look_ahead import LookAhead
+from server.library.run_state import RunState
+from server.rehearsals.jobs import LookAheadJob
+from server.rehearsals.look_ahead import FUTURES, LookAhead
+from server.rehearsals.queue import RehearsalQueue
+from server.rehearsals.worker import Ahead
 from sim.config import MissionConfig
-from sim.rehearsal.rehearsal import Rehearsal
+from sim.control.phases import Command
+from sim.errors import CaptureError, MissionRefused
+from sim.rehearsal.rehearsal import Rehearsal, planned
+from sim.rehearsal.situation import REQUESTS
+from sim.rehearsal.uncertainty import UncertaintyModel
+
+log = logging.getLogger(__name__)
 
 
 class _Rehearsed(NamedTuple):
@@ -19,11 +33,19 @@ class _Rehearsed(NamedTuple):
 class Foreseen:
     """The last rehearsal of a request, or the look-ahead, of the mission as it was when the request was granted.
 
-    For any thread; nothing here waits for the disk.
+    Where neither is ready and somebody looks, the state at the press is rehearsed while the sequence is under way. For
+    any thread; nothing here waits for the disk.
     """
 
-    def __init__(self, recorder: Recorder, look_ahead: LookAhead) -> None:
+    def __init__(
+        self,
+        recorder: Recorder,
+        look_ahead: LookAhead,
+        queue: RehearsalQueue,
+        find_state: Callable[[], RunState],
+    ) -> None:
         self._recorder, self._look_ahead = recorder, look_ahead
+        self._queue, self._find = queue, find_state
         self._last: _Rehearsed | None = None
         self._kept_of: str | None = None
         """The last run that has one."""
@@ -35,11 +57,48 @@ class Foreseen:
         elif self._kept_of != run:  # of what is under way: better than nothing
             self._keep(run, outline)
 
+    def is_wanted(self, run: str, command: str, config: MissionConfig) -> bool:
+        """Whether `state` has to be asked for before that command is: nothing is ready, and somebody looks."""
+        begins = command in {each.value for each in REQUESTS}
+        return begins and self._look_ahead.is_looked_at and self._outline(run, command, config) is None
+
+    def state(self) -> RunState | None:
+        """The live mission's state, just before something is asked of it; waits for the mission thread.
+
+        None where there is none: what is asked will be told why.
+        """
+        try:
+            return self._find()
+        except (LoopSilent, MissionRefused, ServiceBusy):
+            return None
+
     def begun(self, run: str, command: str, config: MissionConfig) -> None:
         """That command has been granted in that run, with that configuration in force."""
-        outline = self._rehearsed(run, command, config) or self._look_ahead.outline(run, command, config)
+        outline = self._outline(run, command, config)
         if outline is not None:
             self._keep(run, outline)
+
+    def begun_unforeseen(self, before: RunState, command: str) -> None:
+        """That command has been granted in that state: it is rehearsed now, and kept with the run afterwards."""
+        run, situation = before
+        try:
+            rehearsal = planned(
+                situation,
+                {},
+                request=Command(command),
+                uncertainty=UncertaintyModel(),
+                futures=FUTURES,
+                seed=situation.tick,
+            )
+            self._queue.add(LookAheadJob(rehearsal, run, asker=run, on_made=partial(self._made, run)))
+        except (CaptureError, ServiceBusy) as reason:
+            log.info("nothing is foreseen of run %s: %s", run, reason)
+
+    def _made(self, run: str, ahead: Ahead) -> None:
+        self._keep(run, ahead.outline)
+
+    def _outline(self, run: str, command: str, config: MissionConfig) -> bytes | None:
+        return self._rehearsed(run, command, config) or self._look_ahead.outline(run, command, config)
 
     def _rehearsed(self, run: str, command: str, config: MissionConfig) -> bytes | None:
         last = self._last

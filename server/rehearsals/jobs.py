@@ -14,7 +14,9 @@ from typing import Any, Literal, NamedTuple
 from server.instants import wall_clock
 from server.rehearsals import worker
 from server.rehearsals.worker import Ahead, Concluded
+from sim.config import MissionConfig
 from sim.rehearsal.atlas import Atlas, AtlasCell
+from sim.rehearsal.futures import rehearsed
 from sim.rehearsal.rehearsal import Rehearsal
 
 JobStatus = Literal["queued", "running", "finished", "failed", "cancelled", "superseded"]
@@ -133,11 +135,18 @@ class LookAheadJob(Job):
 
     kind, urgency = "look-ahead", IDLY
 
-    def __init__(self, rehearsal: Rehearsal, run: str) -> None:
-        self.rehearsal, self.run = rehearsal, run
+    def __init__(
+        self,
+        rehearsal: Rehearsal,
+        run: str,
+        asker: str = "",
+        on_made: Callable[[Ahead], None] = lambda _ahead: None,
+    ) -> None:
+        """From that run's state; `on_made` is called with what comes out, and returns at once."""
+        self.rehearsal, self.run, self._on_made = rehearsal, run, on_made
         self.ahead: Ahead | None = None
         self.made_at = time.monotonic()
-        super().__init__("", rehearsal.total)
+        super().__init__(asker, rehearsal.total)
 
     def pieces(self) -> Iterator[Piece]:
         """Its futures, and what they say."""
@@ -148,8 +157,26 @@ class LookAheadJob(Job):
         """Likewise."""
         if isinstance(result, Ahead):
             self.ahead = result
+            self._on_made(result)
         else:
             self.done += result
+
+
+class WarmUpJob(Job):
+    """Nothing to fly: the worker starts, and loads what futures of a configuration run."""
+
+    kind, urgency = "warm-up", IDLY
+
+    def __init__(self, config: MissionConfig) -> None:
+        self._config = config
+        super().__init__("", 0)
+
+    def pieces(self) -> Iterator[Piece]:
+        """All at once."""
+        yield Piece(worker.prepare, ([rehearsed(self._config)],))
+
+    def keep(self, result: Any) -> None:
+        """Nothing is kept."""
 
 
 class AtlasJob(Job):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -28,6 +29,8 @@ STALE = 15.0
 """After so long a look-ahead says nothing about now [s]."""
 
 FUTURES = 100
+
+_FLIES = "its futures are being flown"
 
 _NEXT = {Phase.IDLE: Command.CAPTURE, Phase.RELEASED: Command.CAPTURE, Phase.HOLDING: Command.CAPTURE}
 """The request that would come next, by phase; in others one is under way, or none can come."""
@@ -56,33 +59,43 @@ class LookAhead:
         self,
         queue: RehearsalQueue,
         find_state: Callable[[], RunState],
+        find_phase: Callable[[], str | None],
         go_odds: float,
         go_peak_force: float | None,
     ) -> None:
-        self._queue, self._find = queue, find_state
+        """In that queue, from that state; `find_phase` tells the mission's phase at once, None where there is none."""
+        self._queue, self._find, self._find_phase = queue, find_state, find_phase
         self._go_odds, self._go_peak_force = go_odds, go_peak_force
         self._lock = threading.Lock()
         self._made: LookAheadJob | None = None
         """The last that has ended."""
         self._making: LookAheadJob | None = None
-        self._why_none: str | None = None
+        self._why_none = _FLIES
+        self._asked_at = -math.inf
         self._looked_at = self._next_at = 0.0
 
     def now(self) -> LookAheadView:
         """What is known by now; sees to it that more will be, unless somebody else is just doing so."""
+        self._asked_at = time.monotonic()
         if self._lock.acquire(blocking=False):
             try:
+                self._require_next()
                 self._take_made()
                 self._make()
-                self._why_none = None
+                self._why_none = _FLIES
             except (MissionRefused, ServiceBusy, LoopSilent) as reason:
                 self._made, self._why_none = None, str(reason)
             finally:
                 self._lock.release()
         made = self._made
         if made is None or time.monotonic() - made.made_at > STALE:
-            return self._nothing(self._why_none or "its futures are being flown")
+            return self._nothing(self._why_none)
         return self._said(made)
+
+    @property
+    def is_looked_at(self) -> bool:
+        """Whether somebody has asked lately."""
+        return time.monotonic() - self._asked_at < STALE
 
     def outline(self, run: str, command: str, config: MissionConfig) -> bytes | None:
         """What the last one says in outline (JSON of a `RehearsalResult`).
@@ -96,6 +109,21 @@ class LookAhead:
         assert request is not None, "a look-ahead is of a request"
         same = (made.run, request.value) == (run, command) and situation.config == config
         return made.ahead.outline if same else None
+
+    def _require_next(self) -> None:
+        """Refuse where no request can come next, and let go of what is being made of the state before.
+
+        Raises:
+            MissionRefused: the message says so.
+
+        """
+        phase = self._find_phase()
+        if phase is None or phase in {each.label for each in _NEXT}:
+            return
+        if self._making is not None:
+            self._queue.remove(self._making)
+            self._making = None
+        raise _none_can_begin(phase)
 
     def _take_made(self) -> None:
         if self._making is not None and self._making.has_ended:
@@ -120,7 +148,7 @@ class LookAhead:
         if situation.mark.happened.outcome is not None:
             raise MissionRefused("this capture has its verdict; one is made again after a reset")
         if request is None:
-            raise MissionRefused(f"no sequence can begin in phase {situation.phase.label}")
+            raise _none_can_begin(situation.phase.label)
         seed = situation.tick  # another sample with every state
         rehearsal = planned(situation, {}, request=request, uncertainty=UncertaintyModel(), futures=FUTURES, seed=seed)
         job = LookAheadJob(rehearsal, run)
@@ -151,6 +179,10 @@ class LookAhead:
             go_odds=self._go_odds,
             go_peak_force=self._go_peak_force,
         )
+
+
+def _none_can_begin(phase: str) -> MissionRefused:
+    return MissionRefused(f"no sequence can begin in phase {phase}")
 
 
 def _why_not(caged: Odds, peak: float | None, go_odds: float, go_peak_force: float | None) -> str | None:

@@ -73,7 +73,7 @@ class Console:
 
 @pytest.fixture
 def settings(tmp_path) -> Settings:
-    return Settings(data_dir=tmp_path / "data", configuration="published_figures")
+    return Settings(data_dir=tmp_path / "data", configuration="published_figures", prepare_rehearsals=False)
 
 
 @pytest.fixture

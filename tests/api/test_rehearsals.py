@@ -11,7 +11,7 @@ import pyarrow.parquet
 import pytest
 
 from becalm.replaying import replay
-from server.rehearsals import look_ahead
+from server.rehearsals import foreseen, look_ahead
 
 PATIENCE = 180.0
 """Bound on every wait [s]."""
@@ -281,6 +281,42 @@ async def test_an_atlas_that_cannot_be_is_refused(console, fields, words):
     answer = await console.http.post("/atlases", json=body)
     assert answer.status_code == 422, answer.text
     assert words in answer.json()["detail"]
+
+
+async def test_a_capture_pressed_before_the_look_ahead_is_ready_is_rehearsed_from_the_press(console, monkeypatch):
+    monkeypatch.setattr(look_ahead, "FUTURES", 6)
+    monkeypatch.setattr(foreseen, "FUTURES", 6)
+    await console.granted("run", speed=0.1)  # still under way when its look-ahead would be made
+    assert (await console.http.get("/rehearsals/look-ahead")).json()["made"] is False
+    run_id, pressed_at = (await console.snapshot())["run_id"], (await console.snapshot())["tick"]
+    await console.granted("capture")
+    during = (await console.http.get("/rehearsals/look-ahead")).json()
+    assert during["reason"] == "no sequence can begin in phase detumbling", "nothing more is made of the state before"
+    async with asyncio.timeout(PATIENCE):
+        while (kept := (await console.http.get(f"/runs/{run_id}/foreseen")).json()) is None:
+            assert (await console.snapshot())["outcome"] is None
+            await asyncio.sleep(0.05)
+    assert (kept["request"], kept["phase"], kept["as_it_is"]["futures"]) == ("capture", "idle", 6)
+    assert kept["tick"] >= pressed_at
+
+
+async def test_a_run_that_is_over_when_it_is_foreseen_keeps_that_too(console, monkeypatch):
+    monkeypatch.setattr(look_ahead, "FUTURES", 6)
+    monkeypatch.setattr(foreseen, "FUTURES", 6)
+    await console.granted("run", speed=0)
+    assert (await console.http.get("/rehearsals/look-ahead")).json()["made"] is False
+    run_id = await _capture_now(console)
+    await console.granted("reset")
+    async with asyncio.timeout(PATIENCE):
+        while (kept := (await console.http.get(f"/runs/{run_id}/foreseen")).json()) is None:
+            await asyncio.sleep(0.05)
+    assert kept["request"] == "capture"
+
+
+async def test_nothing_is_foreseen_of_a_capture_that_nobody_looks_at(console):
+    run_id = await _capture_now(console)
+    assert console.services.rehearsals.waiting == 0
+    assert await _kept_foreseen(console, run_id) is None
 
 
 async def test_the_look_ahead_is_made_for_who_looks_and_says_go_or_why_not(console, monkeypatch):
