@@ -240,9 +240,7 @@ class RobotConfig(ConfigModel):
 class TargetConfig(ConfigModel):
     """The debris: a prism seen from above, and how it moves at the start."""
 
-    shape: TargetShape = parameter(
-        TargetShape.SQUARE, "Outline, about the centre of mass", unit="1", source="Sec. II: a square"
-    )
+    shape: TargetShape = parameter(TargetShape.SQUARE, "Outline", unit="1", source="Sec. II: a square")
     side: Number = parameter(
         0.150, "Length of a side of a square or regular polygon", unit="m", source="Table I, l_t", gt=0, le=2
     )
@@ -260,7 +258,7 @@ class TargetConfig(ConfigModel):
     )
     vertices: Points = parameter(
         ((0.0, 0.0), (0.14, 0.0), (0.11, 0.10), (0.0, 0.13)),
-        "Corners of a polygon, counter-clockwise, from any origin: their centroid is the centre of mass",
+        "Corners of a polygon, counter-clockwise, from any origin: their centroid is the middle",
         unit="m",
         source="chosen: a wedge with no two sides alike",
         fewest=3,
@@ -269,17 +267,28 @@ class TargetConfig(ConfigModel):
     mass: Number = parameter(2.34844, "Mass", unit="kg", source="authors; Table I: 2.35", gt=1e-3, le=1e4)
     inertia: Number = parameter(
         9.32724e-3,
-        "Moment of inertia about its centre",
+        "Moment of inertia about its centre of mass",
         unit="kg m2",
         source="authors; Table I: 9.33e-3",
         gt=1e-8,
         le=1e4,
     )
+    centre_of_mass_x: Number = parameter(
+        0.0,
+        "Centre of mass from the outline's centroid, along the target's x axis; motion capture sees the centroid",
+        unit="m",
+        source="Sec. II: an even plate",
+        ge=-0.5,
+        le=0.5,
+    )
+    centre_of_mass_y: Number = parameter(
+        0.0, "Likewise, along its y axis", unit="m", source="Sec. II: an even plate", ge=-0.5, le=0.5
+    )
     initial_x: Number = parameter(
-        0.0, "Centre at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
+        0.0, "Centre of mass at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
     )
     initial_y: Number = parameter(
-        0.350, "Centre at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
+        0.350, "Centre of mass at the start, from the base's geometric centre", unit="m", source="authors", ge=-5, le=5
     )
     initial_angle: Number = parameter(0.0, "Angle at the start", unit="rad", source="authors", ge=-7, le=7)
     initial_velocity_x: Number = parameter(

@@ -47,6 +47,7 @@ from sim.model.clearance import initial_overlap
 from sim.model.contact_step import CONTACTS, longest_step
 from sim.model.inertia import Outline, outlines
 from sim.model.shape import even_plate, inner_radius
+from sim.model.target import target_shape
 from sim.parameters import MethodConfig, points_text
 from sim.schema_history import PARAMETER_CHANGES, change_of
 
@@ -220,6 +221,7 @@ def revised(config: MissionConfig, changes: Mapping[str, Any]) -> MissionConfig:
             tip="the console and GET /api/v1/mission/config/schema list every parameter with its bounds",
         ) from None
     require_polygon_of_its_kind(result)
+    require_centre_of_mass_within(result)
     for body in outlines(result):
         if any(value_at(result, path) != value_at(config, path) for path in body.parameters):
             require_inertia_of_its_size(result, body)
@@ -274,6 +276,24 @@ def require_polygon_of_its_kind(config: MissionConfig) -> None:
             f"{stated}: the nearest side is {inner_radius(shape):.4g} m from the centroid; it must be at least "
             f"{LEAST_INNER_RADIUS:g} m, or a tip passes through",
             tip="vertices are in metres",
+        )
+
+
+def require_centre_of_mass_within(config: MissionConfig) -> None:
+    """Refuse a target whose centre of mass lies outside of its outline, or so near it that a tip passes it.
+
+    Raises:
+        ConfigError: the message names the centre of mass, and what would be right.
+
+    """
+    depth = inner_radius(target_shape(config.target))
+    if depth < LEAST_INNER_RADIUS:
+        target = config.target
+        where = f"{-depth:.4g} m outside of" if depth < 0.0 else f"{depth:.4g} m within"
+        raise ConfigError(
+            f"target.centre_of_mass_x, _y = {target.centre_of_mass_x:g}, {target.centre_of_mass_y:g} m: it lies "
+            f"{where} the target's outline, and must be at least {LEAST_INNER_RADIUS:g} m within",
+            tip="both are counted from the outline's centroid",
         )
 
 

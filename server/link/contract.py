@@ -108,8 +108,8 @@ WRENCHES = tuple(
 )
 BASE_POSE = _stream("base/pose", _POSE, MOTION_CAPTURE_RATE, WORLD, "centre of mass x, y [m], rotation about z")
 BASE_TWIST = _stream("base/twist", _TWIST, MOTION_CAPTURE_RATE, WORLD, "velocity x, y [m/s], spin z [rad/s]")
-TARGET_POSE = _stream("target/pose", _POSE, MOTION_CAPTURE_RATE, WORLD, "centre x, y [m], rotation about z")
-TARGET_TWIST = _stream("target/twist", _TWIST, MOTION_CAPTURE_RATE, WORLD, "velocity x, y [m/s], spin z [rad/s]")
+TARGET_POSE = _stream("target/pose", _POSE, MOTION_CAPTURE_RATE, WORLD, "outline's centroid x, y [m], rotation about z")
+TARGET_TWIST = _stream("target/twist", _TWIST, MOTION_CAPTURE_RATE, WORLD, "its velocity x, y [m/s], spin z [rad/s]")
 
 MODE = Channel(
     f"{PREFIX}/robot/mode",

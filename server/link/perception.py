@@ -18,6 +18,7 @@ from sim.model.clearance import shapes_of
 from sim.model.generalized_jacobian import free_flying_model, momentum
 from sim.model.planar import rotated
 from sim.model.robot import chain, robot_model
+from sim.model.target import to_centre_of_mass
 from sim.perception.estimators import ENOUGH, NO_STAMP
 from sim.perception.motion import count_from
 from sim.perception.perceived import PERCEIVED, begin_perceiving, perceive_readings, see
@@ -43,7 +44,7 @@ class Perception:
         self._config = config.perception
         self._parameters = record_of(config)
         self._model = robot_model(config.robot)
-        self._robot, self._target = packed(self._model)[0], shapes_of(config)["target"]
+        self._robot, self._target = packed(self._model)[0], shapes_of(config)["seen_target"]
 
     @property
     def contact_threshold(self) -> float:
@@ -124,6 +125,7 @@ class Perception:
         perceived["tick"] = tick
         for name in _OF_STATE:
             state[name] = known[name]
+        to_centre_of_mass(self._parameters["target"], state["target_pose"], state["target_twist"])
         for arm in range(2):
             self._write_contact(arm, state)
         self._write_momentum(state)

@@ -19,8 +19,9 @@ from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised
 from sim.model.robot import chain, robot_model
+from sim.model.target import to_middle
 from sim.plant.engine import simulated_plant
-from sim.record import Record
+from sim.record import Record, record_of
 
 POSES = {"base": contract.BASE_POSE, "target": contract.TARGET_POSE}
 TWISTS = {"base": contract.BASE_TWIST, "target": contract.TARGET_TWIST}
@@ -44,6 +45,7 @@ class EmulatedTestbed:
         table = {"drag": some.drag, "tilt_x": some.tilt_x, "tilt_y": some.tilt_y}
         self._plant = simulated_plant(revised(config, {"table": table}))
         self._model = robot_model(config.robot)
+        self._target = record_of(config.target)
         self._sensors = Sensors(some, seed)
         self._capture_delay = some.motion_capture_delay
         self._capture_every = max(1, round(1.0 / (contract.MOTION_CAPTURE_RATE * config.control.period)))
@@ -87,7 +89,9 @@ class EmulatedTestbed:
 
         """
         sensors = self._sensors
-        sensors.sense(self.state, self.hand_pose()[:, 2])
+        seen = self.state.copy()
+        to_middle(self._target, seen["target_pose"], seen["target_twist"])
+        sensors.sense(seen, self.hand_pose()[:, 2])
         self._measured += 1
         for arm, wrench in enumerate(sensors.wrenches(stamp)):
             seen = self._or_frozen("left_wrist" if arm == 0 else "right_wrist", wrench, frozen)

@@ -148,7 +148,9 @@ def _learn(flight: Record, state: Record) -> bool:
     belief = flight.known
     if flight.perceived_elsewhere != 0:
         set_chain(belief.base_pose, shape_of_state(flight.robot, belief, belief.shape), belief.links)
-        belief.closed = tips_enclose(flight.robot, flight.shapes.target, belief.links.hand_pose, belief.target_pose)
+        belief.closed = tips_enclose(
+            flight.robot, flight.shapes.seen_target, belief.links.hand_pose, belief.target_pose
+        )
         return False
     return know(belief, flight.parameters, flight.robot, flight.shapes, state, flight.monitor.closed)
 
@@ -159,10 +161,10 @@ def know(belief: Record, parameters: Record, robot: RobotModel, shapes: Record, 
 
     `closed` is whether the tips truly enclose the target: perfect sensors know.
     """
-    if perceive(belief, parameters, robot, shapes.target, state):
+    if perceive(belief, parameters, robot, shapes.seen_target, state):
         belief.closed = closed
         return True
-    belief.closed = tips_enclose(robot, shapes.target, belief.links.hand_pose, belief.target_pose)
+    belief.closed = tips_enclose(robot, shapes.seen_target, belief.links.hand_pose, belief.target_pose)
     return False
 
 

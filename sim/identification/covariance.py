@@ -11,7 +11,7 @@ from scipy.stats import t as student
 
 from sim.compiled import FloatArray
 from sim.identification.flight import CHANNELS, normal_equations
-from sim.identification.parameters import Parameter
+from sim.identification.parameters import CONTACT_ONLY, Parameter
 from sim.identification.shooting import Shot
 from sim.identification.varpro import Estimate
 
@@ -114,6 +114,6 @@ def _reason(parameter: Parameter, others: Sequence[str], touches: bool) -> str:
     stays = f"it stays at {parameter.nominal:g}{'' if parameter.unit == '1' else ' ' + parameter.unit}"
     if others:
         return f"{parameter.name} cannot be told apart from {' and '.join(others)}: {stays}"
-    if not touches and parameter.name.startswith(("contact.", "target.", "perception.wrist.")):
+    if not touches and parameter.name.startswith(CONTACT_ONLY):
         return f"{parameter.name}: no hand touches the target, and without a touch nothing depends on it: {stays}"
     return f"{parameter.name}: the runs say no more about it than was known before: {stays}"

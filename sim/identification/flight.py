@@ -14,12 +14,13 @@ import numpy as np
 
 from sim.compiled import FloatArray, compiled
 from sim.identification.recording import BoolArray
+from sim.model.target import to_centre_of_mass, to_middle
 from sim.plant.plant import PlantHandle, advance_plant
 from sim.plant.reduced_plant import stand
 from sim.record import Record
 
 NODE = 14
-"""Numbers that a rollout begins with: pose and twist of the base, of the target, and the mounts' angles."""
+"""Numbers that a rollout begins with: pose and twist of the base, of the target's middle, and the mounts' angles."""
 MOUNTS = slice(12, 14)
 
 CHANNELS = 18
@@ -101,12 +102,13 @@ def fly(flight: Flight, node: FloatArray) -> int:
     for axis in range(3):
         start.base_pose[axis], start.base_twist[axis] = node[axis], node[3 + axis]
         start.target_pose[axis], start.target_twist[axis] = node[6 + axis], node[9 + axis]
+    to_centre_of_mass(flight.free.parameters.target, start.target_pose, start.target_twist)
     start.mount_angle[0], start.mount_angle[1] = node[12], node[13]
     touchable = flight.touchable[0]
     plant = flight.solid if touchable else flight.free
     stand(plant.handle, plant.parameters, start, state)
     for row in range(rows.shape[0]):
-        _write_row(state, rows[row])
+        _write_row(plant.parameters.target, state, rows[row])
         if row + 1 == rows.shape[0]:
             break
         if flight.touchable[row] != touchable:
@@ -119,8 +121,8 @@ def fly(flight: Flight, node: FloatArray) -> int:
 
 
 @compiled
-def _write_row(state: Record, into: FloatArray) -> None:
-    """One element of `PLANT_STATE` as a row, shape (29,)."""
+def _write_row(target: Record, state: Record, into: FloatArray) -> None:
+    """One element of `PLANT_STATE` as a row, shape (29,): the target's pose and twist are those of its middle."""
     into[SOLID] = state.base_contact + state.arm_contact
     for axis in range(3):
         into[axis], into[3 + axis] = state.base_pose[axis], state.base_twist[axis]
@@ -128,6 +130,7 @@ def _write_row(state: Record, into: FloatArray) -> None:
         for arm in range(2):
             into[_JOINT + 3 * arm + axis] = state.joint_angle[arm, axis]
             into[_WRENCH + 3 * arm + axis] = state.hand_wrench[arm, axis]
+    to_middle(target, into[6:9], into[9:12])
     for arm in range(2):
         angle = state.base_pose[2] + state.mount_angle[arm]
         for joint in range(3):

@@ -53,6 +53,8 @@ _SPREADS: Mapping[str, tuple[float, float]] = {
     "robot.base.centre_of_mass_ahead": (0.0, 0.05),
     "target.mass": (0.5, 0.0),
     "target.inertia": (0.5, 0.0),
+    "target.centre_of_mass_x": (0.0, 0.01),
+    "target.centre_of_mass_y": (0.0, 0.01),
     STAMP_ERROR: (0.0, 0.01),
     "table.drag": (0.0, 0.05),
     "table.tilt_x": (0.0, 1e-3),
@@ -86,6 +88,9 @@ DEFAULT = (
     "table.tilt_y",
 )
 """What is fitted unless something else is asked for; of these, what the runs do not tell stays nominal."""
+
+CONTACT_ONLY = ("contact.", "target.mass", "target.inertia", "perception.wrist.")
+"""How the names begin of what free flight says nothing about."""
 
 MOST = 16
 """Parameters of one fit."""

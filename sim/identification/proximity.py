@@ -74,7 +74,7 @@ def _clearances(
             for link in range(JOINTS):
                 start, end = links.joint[arm, link], links.joint[arm, link + 1]
                 first = 0.3 if link == 0 else 0.0  # the base bars the way to what is nearer the shoulder
-                gap = _gap(shapes.target, target_pose[row], start, end, first)
+                gap = _gap(shapes.seen_target, target_pose[row], start, end, first)
                 least = min(least, gap - link_radius)
             hand = links.hand_pose[arm]
             for side in range(3):
@@ -82,9 +82,9 @@ def _clearances(
                 for end_place in range(2):
                     x, y = rotated(hand[2], outline[side + end_place, 0], outline[side + end_place, 1])
                     ends[end_place, 0], ends[end_place, 1] = hand[0] + x, hand[1] + y
-                least = min(least, _gap(shapes.target, target_pose[row], ends[0], ends[1], 0.0) - robot.tip_radius)
-        least = min(least, -corner_overlap(shapes.target, target_pose[row], shapes.base, base_pose[row]))
-        clear[row] = min(least, -corner_overlap(shapes.base, base_pose[row], shapes.target, target_pose[row]))
+                least = min(least, _gap(shapes.seen_target, target_pose[row], ends[0], ends[1], 0.0) - robot.tip_radius)
+        least = min(least, -corner_overlap(shapes.seen_target, target_pose[row], shapes.base, base_pose[row]))
+        clear[row] = min(least, -corner_overlap(shapes.base, base_pose[row], shapes.seen_target, target_pose[row]))
 
 
 @compiled

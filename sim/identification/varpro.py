@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 from sim.compiled import FloatArray
 from sim.errors import CaptureError
 from sim.identification.flight import normal_equations
-from sim.identification.parameters import STAMP_ERROR, Parameter, hypothesis, scaled_bounds
+from sim.identification.parameters import CONTACT_ONLY, STAMP_ERROR, Parameter, hypothesis, scaled_bounds
 from sim.identification.recording import Recording
 from sim.identification.rollout import Model
 from sim.identification.shooting import WELL, Shot, Solved, Weights, projected
@@ -34,9 +34,6 @@ _USUAL = 0.25
 
 _INSIDE = 0.1
 """Distance from its bounds, in spreads, at which a parameter begins: beside a bound steps are short ones."""
-
-_CONTACT_ONLY = ("contact.", "target.", "perception.wrist.")
-"""What free flight says nothing about."""
 
 _OF_SOLIDS = "contact.solid_"
 """Laws of contact of everything but tips."""
@@ -174,7 +171,7 @@ class Problem:
                 return slopes
             of = number[id(shot.recorded)]
             for column, parameter in enumerate(free):
-                if shot.stretch.touches or not self.parameters[parameter].name.startswith(_CONTACT_ONLY):
+                if shot.stretch.touches or not self.parameters[parameter].name.startswith(CONTACT_ONLY):
                     then, _ = shot.residual(varied[column][of], at.node, sigma)
                     slopes[:, column] = (then - at.residual).ravel() / _DIFFERENCE
             return projected(at, slopes)
@@ -310,4 +307,4 @@ def shared_delay(recordings: Sequence[Recording]) -> float:
 
 def in_free_flight(parameter: Parameter) -> bool:
     """Whether free flight tells something about a parameter; a lag of pictures shows where hands meet the target."""
-    return not parameter.name.startswith((*_CONTACT_ONLY, STAMP_ERROR))
+    return not parameter.name.startswith((*CONTACT_ONLY, STAMP_ERROR))

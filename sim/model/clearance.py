@@ -12,7 +12,7 @@ from sim.config import ArmConfig, MissionConfig
 from sim.model.planar import in_frame, rotated
 from sim.model.robot import JOINTS, base_shape, chain, initial_joint_angles, robot_model
 from sim.model.shape import Shape, signed_distance
-from sim.model.target import target_shape
+from sim.model.target import seen_target_shape, target_shape
 from sim.record import Record, packed
 
 _SAMPLES = 41  # along a link, for the check before a start: every few millimetres
@@ -23,11 +23,15 @@ class Shapes(NamedTuple):
 
     base: Shape
     target: Shape
+    """About its centre of mass: where it truly is."""
+    seen_target: Shape
+    """About its middle: as it is perceived."""
 
 
 def shapes_of(config: MissionConfig) -> Record:
     """The `Shapes` of a configuration, packed: compiled code hands a record on as one address, five times as fast."""
-    return packed(Shapes(base_shape(config.robot.base), target_shape(config.target)))[0]
+    target = config.target
+    return packed(Shapes(base_shape(config.robot.base), target_shape(target), seen_target_shape(target)))[0]
 
 
 @compiled
@@ -80,7 +84,7 @@ def initial_base_pose(config: MissionConfig) -> FloatArray:
 
 
 def initial_target_pose(config: MissionConfig) -> FloatArray:
-    """Pose of the target's centre at the start, shape (3,) [m, rad]."""
+    """Pose of the target's centre of mass at the start, shape (3,) [m, rad]."""
     return np.array([config.target.initial_x, config.target.initial_y, config.target.initial_angle])
 
 

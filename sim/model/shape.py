@@ -1,8 +1,8 @@
-"""Shapes in the plane: convex polygons with a rounding radius, about their centre of mass.
+"""Shapes in the plane: convex polygons with a rounding radius, about an origin within them.
 
 A shape is every point within its rounding of a polygon; a circle is the one with no sides, a single corner and its
 radius. Contact, clearance, caging, plants and drawings ask a shape for distances and normals; none of them knows
-which one it is. Points are given in the shape's frame, whose origin is the centre of mass.
+which one it is. Points are given in the shape's frame; where a body moves, its origin is the centre of mass.
 """
 
 from __future__ import annotations
@@ -124,8 +124,18 @@ def about_its_centroid(vertices: FloatArray) -> FloatArray:
     next_x, next_y = np.roll(x, -1), np.roll(y, -1)
     doubled = x * next_y - next_x * y
     centre = np.array([(doubled * (x + next_x)).sum(), (doubled * (y + next_y)).sum()]) / (3.0 * doubled.sum())
-    moved: FloatArray = vertices - centre
-    return moved
+    centred: FloatArray = vertices - centre
+    return centred
+
+
+def moved(shape: Shape, x: float, y: float) -> Shape:
+    """The shape with all of it moved in its frame [m], whose origin stays.
+
+    Raises:
+        ConfigError: as for `polygon`.
+
+    """
+    return polygon(shape.vertices[: shape.corners] + np.array([x, y]), shape.rounding)
 
 
 def inner_radius(shape: Shape) -> float:

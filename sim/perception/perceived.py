@@ -22,6 +22,7 @@ from sim.model.planar import rotated
 from sim.model.reduced_model import CHAIN, SHAPE, set_chain, shape_of_state
 from sim.model.robot import RobotModel
 from sim.model.shape import Shape
+from sim.model.target import to_middle
 from sim.perception.cameras import CAMERAS, film
 from sim.perception.contact import is_touching, touching_tip
 from sim.perception.imperfections import add_imperfections, is_imperfect, is_miscalibrated, miscalibrate
@@ -58,7 +59,7 @@ PERCEIVED = np.dtype(
         ("joint_rate", np.float64, (2, 3)),
         ("mount_angle", np.float64, (2,)),
         ("mount_rate", np.float64, (2,)),
-        ("target_pose", np.float64, (3,)),
+        ("target_pose", np.float64, (3,)),  # of its middle, which is what motion capture sees
         ("target_twist", np.float64, (3,)),
         ("hand_wrench", np.float64, (2, 3)),  # target on hand, about the hand centre, world axes; zero without contact
         ("tip_contact", np.int64, (2, 2)),
@@ -104,11 +105,12 @@ def perceive(known: Record, parameters: Record, robot: RobotModel, target: Shape
         known: what was known at the tick before, all zero at first; changed.
         parameters: record of `MissionConfig`.
         robot: the robot's model.
-        target: its shape.
+        target: its shape about its middle.
         state: the true one, one element of `PLANT_STATE`.
 
     """
     _copy(known, state)
+    to_middle(parameters.target, known.target_pose, known.target_twist)
     known.target_seen_at = state.time
     if is_perfect(parameters.perception):
         _assume_inertia(known, parameters.perception)
@@ -189,7 +191,7 @@ def perceive_readings(
         known: one element of `PERCEIVED` that has begun: its time, joint angles and rates are the readings; changed.
         parameters: record of `MissionConfig`.
         robot: the robot's model.
-        target: its shape.
+        target: its shape about its middle.
         wrench_in_hand: of each wrist about the hand's centre, in its hand's axes, shape (2, 3) [N, N, N m].
 
     """

@@ -251,7 +251,8 @@ def _hand_shapes(config: MissionConfig, robot: RobotModel, body: pymunk.Body) ->
 
 def _outline(body: pymunk.Body, shape: Shape) -> pymunk.Shape:
     if shape.sides == 0:
-        return pymunk.Circle(body, shape.rounding)
+        x, y = shape.vertices[0]
+        return pymunk.Circle(body, shape.rounding, (float(x), float(y)))
     return pymunk.Poly(body, [(float(x), float(y)) for x, y in shape.vertices[: shape.corners]], radius=shape.rounding)
 
 

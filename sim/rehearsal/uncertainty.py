@@ -16,8 +16,9 @@ from pydantic import Field, ValidationError
 from sim.compiled import FloatArray
 from sim.config import PARAMETERS, Estimator, MissionConfig, Source
 from sim.errors import ConfigError
+from sim.model.target import to_centre_of_mass
 from sim.parameters import ConfigModel, Number, parameter
-from sim.record import Record
+from sim.record import Record, record_of
 from sim.rehearsal.situation import Situation
 from sim.snapshot import FrozenMessage
 
@@ -342,4 +343,5 @@ def true_state(situation: Situation, drawn: Draw) -> Record:
     for body, name in enumerate(("base", "target")):
         state[f"{name}_pose"] += offsets[body, 0]
         state[f"{name}_twist"] += offsets[body, 1]
+    to_centre_of_mass(record_of(situation.config.target), state["target_pose"], state["target_twist"])
     return state

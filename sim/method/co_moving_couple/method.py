@@ -17,7 +17,7 @@ from sim.method.co_moving_couple.refusal import refusal
 from sim.method.co_moving_couple.words import WORDS
 from sim.method.method import Method, register_kernel
 from sim.model.robot import base_shape, robot_model
-from sim.model.target import target_shape
+from sim.model.target import seen_target_shape
 from sim.record import packed
 
 _CAGED_WITHIN = 0.002
@@ -25,7 +25,7 @@ _CAGED_WITHIN = 0.002
 
 
 def _handle(config: MissionConfig, own: np.ndarray[Any, np.dtype[Any]]) -> CoupleHandle:
-    robot, shape = robot_model(config.robot), target_shape(config.target)
+    robot, shape = robot_model(config.robot), seen_target_shape(config.target)
     radius = closed_radius(robot, shape)
     fixed = Fixed(robot, shape, base_shape(config.robot.base), radius + _CAGED_WITHIN, radius)
     return CoupleHandle(own, packed(fixed), np.zeros(1, ROLL_OUT))

@@ -16,7 +16,7 @@ from sim.method.method import method_of
 from sim.method.registry import MethodName
 from sim.model.planar import rotated
 from sim.model.robot import RobotModel, robot_model
-from sim.model.target import Outline, target_shape
+from sim.model.target import Outline, seen_target_shape
 from sim.record import Record, packed, record_of
 
 BRAKING = (Command.CAPTURE, Command.DETUMBLE)
@@ -52,7 +52,7 @@ def _too_short(config: MissionConfig, row: Record) -> str:
 @lru_cache(maxsize=64)
 def _longest_half(outline: Outline) -> float:
     """From the foot of the centre on a side to its end, of the longest [m]."""
-    shape = packed(target_shape(outline.target()))[0]
+    shape = packed(seen_target_shape(outline.target()))[0]
     return max(half_side(shape, side, sense) for side in range(int(shape["corners"])) for sense in (-1.0, 1.0))
 
 
@@ -102,7 +102,7 @@ def _too_far(config: MissionConfig, row: Record) -> str:
 @lru_cache(maxsize=64)
 def _closed_radius(robot: RobotConfig, outline: Outline) -> float:
     """Of both hands about the target's centre where all tips touch [m]."""
-    return closed_radius(robot_model(robot), target_shape(outline.target()))
+    return closed_radius(robot_model(robot), seen_target_shape(outline.target()))
 
 
 def _least_reach(robot: RobotModel, row: Record, far: float) -> float:
