@@ -20,7 +20,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from functools import update_wrapper
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Concatenate, Literal, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, Literal, ParamSpec, Protocol, Self, TypeVar
 from urllib.parse import urlencode
 
 import httpx
@@ -40,6 +40,7 @@ from sim.errors import CaptureError
 
 P = ParamSpec("P")
 T = TypeVar("T")
+E = TypeVar("E", bound="_Ending")
 
 DEFAULT_ADDRESS = "http://127.0.0.1:8000"
 
@@ -50,6 +51,13 @@ UNDER_WAY = ("queued", "running")
 
 LOOK_PERIOD = 0.2
 """Between two looks whether a run or study has ended [s]."""
+
+
+class _Ending(Protocol):
+    """What is under way until it has ended."""
+
+    @property
+    def status(self) -> str: ...
 
 
 class _ServiceAddress:
@@ -258,6 +266,13 @@ class Client:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
 
+    def _ended(self, look: Callable[[], E], patience: float) -> E:
+        """What a look finds as soon as it has ended."""
+        deadline = time.monotonic() + patience
+        while (found := look()).status in UNDER_WAY:
+            time.sleep(_rest(deadline))
+        return found
+
     def watch(self, rate: float = 10.0) -> Iterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
         try:
@@ -299,10 +314,7 @@ class Client:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := self.run(run_id)).status in UNDER_WAY:
-            time.sleep(_rest(deadline))
-        return found
+        return self._ended(lambda: self.run(run_id), patience)
 
     def finished_study(self, study_id: str, patience: float = 86_400.0) -> StudyDetail:
         """The study when it has ended; waits for it.
@@ -311,10 +323,7 @@ class Client:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := self.study(study_id)).status in UNDER_WAY:
-            time.sleep(_rest(deadline))
-        return found
+        return self._ended(lambda: self.study(study_id), patience)
 
     def finished_rehearsal(self, rehearsal_id: str, patience: float = 600.0) -> RehearsalDetail:
         """The rehearsal when it has ended; waits for it.
@@ -323,10 +332,7 @@ class Client:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := self.rehearsal(rehearsal_id)).status in UNDER_WAY:
-            time.sleep(_rest(deadline))
-        return found
+        return self._ended(lambda: self.rehearsal(rehearsal_id), patience)
 
     def finished_fit(self, fit_id: str, patience: float = 600.0) -> FitDetail:
         """The fit when it has ended; waits for it.
@@ -335,10 +341,7 @@ class Client:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := self.fit(fit_id)).status in UNDER_WAY:
-            time.sleep(_rest(deadline))
-        return found
+        return self._ended(lambda: self.fit(fit_id), patience)
 
     def finished_atlas(self, atlas_id: str, patience: float = 600.0) -> AtlasDetail:
         """The atlas when it has ended, with all its cells; waits for it.
@@ -347,10 +350,7 @@ class Client:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := self.atlas(atlas_id)).status in UNDER_WAY:
-            time.sleep(_rest(deadline))
-        return found
+        return self._ended(lambda: self.atlas(atlas_id), patience)
 
 
 class AsyncClient:
@@ -427,6 +427,13 @@ class AsyncClient:
             raise ServiceUnreachable(self._place.address, error) from None
         return read_answer(call, answer)
 
+    async def _ended(self, look: Callable[[], Awaitable[E]], patience: float) -> E:
+        """What a look finds as soon as it has ended."""
+        deadline = time.monotonic() + patience
+        while (found := await look()).status in UNDER_WAY:
+            await asyncio.sleep(_rest(deadline))
+        return found
+
     async def watch(self, rate: float = 10.0) -> AsyncIterator[MissionSnapshot]:
         """Snapshots of the live mission as they come, `rate` a second, to the one with the outcome."""
         try:
@@ -469,10 +476,7 @@ class AsyncClient:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := await self.run(run_id)).status in UNDER_WAY:
-            await asyncio.sleep(_rest(deadline))
-        return found
+        return await self._ended(lambda: self.run(run_id), patience)
 
     async def finished_study(self, study_id: str, patience: float = 86_400.0) -> StudyDetail:
         """The study when it has ended; waits for it.
@@ -481,10 +485,7 @@ class AsyncClient:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := await self.study(study_id)).status in UNDER_WAY:
-            await asyncio.sleep(_rest(deadline))
-        return found
+        return await self._ended(lambda: self.study(study_id), patience)
 
     async def finished_rehearsal(self, rehearsal_id: str, patience: float = 600.0) -> RehearsalDetail:
         """The rehearsal when it has ended; waits for it.
@@ -493,10 +494,7 @@ class AsyncClient:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := await self.rehearsal(rehearsal_id)).status in UNDER_WAY:
-            await asyncio.sleep(_rest(deadline))
-        return found
+        return await self._ended(lambda: self.rehearsal(rehearsal_id), patience)
 
     async def finished_fit(self, fit_id: str, patience: float = 600.0) -> FitDetail:
         """The fit when it has ended; waits for it.
@@ -505,10 +503,7 @@ class AsyncClient:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := await self.fit(fit_id)).status in UNDER_WAY:
-            await asyncio.sleep(_rest(deadline))
-        return found
+        return await self._ended(lambda: self.fit(fit_id), patience)
 
     async def finished_atlas(self, atlas_id: str, patience: float = 600.0) -> AtlasDetail:
         """The atlas when it has ended, with all its cells; waits for it.
@@ -517,7 +512,4 @@ class AsyncClient:
             TimeoutError: it has not within `patience` [s].
 
         """
-        deadline = time.monotonic() + patience
-        while (found := await self.atlas(atlas_id)).status in UNDER_WAY:
-            await asyncio.sleep(_rest(deadline))
-        return found
+        return await self._ended(lambda: self.atlas(atlas_id), patience)
