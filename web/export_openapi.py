@@ -8,6 +8,7 @@ The document is committed, because the console is built where the service's own 
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -28,10 +29,13 @@ def openapi_document() -> str:
     return json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
 
 
-def main(arguments: list[str]) -> int:
+def main() -> int:
     """Write or check the document; the exit code says whether it was up to date or written."""
+    parser = argparse.ArgumentParser(description="Writes web/openapi.json, the API as it is committed.")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if it is out of date")
+    check = parser.parse_args().check
     current = openapi_document()
-    if "--check" not in arguments:
+    if not check:
         DOCUMENT.write_text(current, encoding="utf-8")
         return 0
     if DOCUMENT.exists() and DOCUMENT.read_text(encoding="utf-8") == current:
@@ -41,4 +45,4 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

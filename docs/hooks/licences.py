@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import sys
@@ -79,7 +80,9 @@ def listed(text: str) -> set[str]:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--check"]:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="say what is not on the page, and write nothing")
+    if parser.parse_args().check:
         missing = listed(page()) - listed(PAGE.read_text(encoding="utf-8"))
         sys.exit(f"not on {PAGE.name}: {', '.join(sorted(missing))}" if missing else 0)
     PAGE.write_text(page(), encoding="utf-8")
