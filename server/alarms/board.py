@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -90,6 +90,10 @@ _ORDER: dict[LevelName, Level] = {name: level for level, name in _NAMES.items()}
 
 _UNSEEN = {"acknowledged_by": None, "acknowledged_at": None, "shelved_by": None, "shelved_until": None}
 """Of an alarm that is raised."""
+_NO_SIGNAL: dict[str, Any] = {
+    "signal": None, "value": None, "worst": None, "bound": None, "unit": "", "side": None,
+}  # fmt: skip
+"""Of an alarm about a problem."""
 
 
 def _shelf(alarm: Alarm | None) -> dict[str, str | None]:
@@ -254,35 +258,29 @@ def _of_reading(reading: Reading, now: Moment) -> Alarm:
         message="",
         tip="",
         level=_NAMES[reading.level],
-        active=True,
         value=reading.value,
         worst=reading.value,
         bound=reading.bound,
         unit=reading.unit,
         side=reading.side,
-        run_id=now.run_id,
         since=now.time,
-        raised_at=now.at,
-        **_UNSEEN,
+        **_raised(now),
     )
 
 
 def _of_problem(key: str, problem: Problem, level: LevelName, now: Moment) -> Alarm:
     return Alarm(
         key=key,
-        signal=None,
         title=problem.title,
         message=problem.message,
         tip=problem.tip,
         level=level,
-        active=True,
-        value=None,
-        worst=None,
-        bound=None,
-        unit="",
-        side=None,
-        run_id=now.run_id,
         since=problem.since,
-        raised_at=now.at,
-        **_UNSEEN,
+        **_NO_SIGNAL,
+        **_raised(now),
     )
+
+
+def _raised(now: Moment) -> dict[str, Any]:
+    """What an alarm has that is raised now, whatever it is about."""
+    return {"active": True, "run_id": now.run_id, "raised_at": now.at, **_UNSEEN}

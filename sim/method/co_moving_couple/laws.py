@@ -224,8 +224,8 @@ def _imposed_speed(own: Record, touch: Record, arm: int, error: float, period: f
 def note_yielding(handle: CoupleHandle, parameters: Record, state: Record) -> None:
     """Note how the servos let the touching tips be pushed back, per newton on both along their sides' normals.
 
-    Rates of joints that contact wrenches F act on give way by time_constant H*^-1 J*^T F (the servo's description): as
-    an arm stretches by half as much again, so it is looked at anew while the hands press.
+    Rates of joints that contact wrenches F act on give way by time_constant H*^-1 J*^T F (the servo's description).
+    That changes as an arm stretches, so it is computed again and again while the hands press.
     """
     own, robot = handle.own[0], handle.fixed[0].robot
     links = chain(robot, state.base_pose, state.joint_angle, state.mount_angle)
