@@ -76,7 +76,7 @@ def keep(data: Path, name: str, run: RunReader, result: FitResult) -> None:
     """Keep the run's configuration with the fitted values as a preset of the data folder.
 
     Raises:
-        FitRefused: nothing was found that a preset can keep.
+        JobRefused: nothing was found that a preset can keep.
 
     """
     who = os.environ.get("USER") or "becalm fit"

@@ -50,7 +50,9 @@ from server.edge.compression import compress
 from server.edge.methods import HeadAsGet
 from server.edge.prefix import ForwardedPrefix
 from server.edge.turns import Turns
+from server.fits.jobs import NICENESS as FITS_NICENESS
 from server.from_settings import access_from_settings, link_from_settings, workers_from_settings
+from server.jobs.queue import JobQueue
 from server.library.index import RunIndex
 from server.library.journal import Journal
 from server.library.presets import PresetStore
@@ -70,9 +72,9 @@ from server.process.aside import Aside
 from server.process.disk import GIGABYTE, DiskGuard
 from server.process.realtime import shorten_switch_interval
 from server.rehearsals.foreseen import Foreseen
+from server.rehearsals.jobs import NICENESS as REHEARSALS_NICENESS
 from server.rehearsals.jobs import WarmUpJob
 from server.rehearsals.look_ahead import LookAhead
-from server.rehearsals.queue import NICENESS_OF_FITS, RehearsalQueue
 from server.scene import Scene
 from server.settings import Settings
 from server.studies.queue import StudyQueue
@@ -141,7 +143,8 @@ def _compose(settings: Settings) -> Services:
     studies = StudyStore(settings.data_dir / "studies")
     disk = DiskGuard(settings.data_dir, settings.min_free_gb * GIGABYTE, (store.root, studies.root))
     link = link_from_settings(settings, initial)
-    loop, rehearsal_queue = MissionLoop(settings.configuration, initial, feed, recorder, disk, link), RehearsalQueue()
+    loop = MissionLoop(settings.configuration, initial, feed, recorder, disk, link)
+    rehearsal_queue = JobQueue("rehearsals", REHEARSALS_NICENESS)
     look_ahead = LookAhead(
         rehearsal_queue,
         loop.situation,
@@ -164,7 +167,7 @@ def _compose(settings: Settings) -> Services:
         studies=studies,
         study_queue=StudyQueue(studies, partial(workers_from_settings, settings)),
         rehearsals=rehearsal_queue,
-        fits=RehearsalQueue(NICENESS_OF_FITS),
+        fits=JobQueue("fits", FITS_NICENESS),
         look_ahead=look_ahead,
         foreseen=Foreseen(recorder, look_ahead, rehearsal_queue, loop.situation),
         aside=Aside(),

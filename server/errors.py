@@ -6,9 +6,8 @@ CaptureError (sim.errors)
 ├── PresetNotFound  no such preset (REST 404)
 ├── StudyNotFound   no such study (REST 404)
 ├── StudyRefused    a request that the study's status does not allow (REST 409)
-├── RehearsalNotFound  no such rehearsal, atlas or fit, or not any more (REST 404)
-├── RehearsalRefused   a request that its status does not allow (REST 409)
-├── FitRefused      a request that a fit's status, or what it found, does not allow (REST 409)
+├── JobNotFound     no such rehearsal, atlas or fit, or not any more (REST 404)
+├── JobRefused      a request that its status, or what it found, does not allow (REST 409)
 ├── StoredUnreadable  a stored run, study or file is damaged, of another version or not permitted (REST 409)
 ├── DataFolderInUse another service has the data folder (exit 1)
 ├── ConfirmationNeeded  a study of very many cells (REST 409)
@@ -56,16 +55,12 @@ class StudyRefused(CaptureError):
     """A request that the study's status does not allow."""
 
 
-class RehearsalNotFound(CaptureError):
+class JobNotFound(CaptureError):
     """No rehearsal, atlas or fit has that identifier, or not any more."""
 
 
-class RehearsalRefused(CaptureError):
-    """A request that the status of a rehearsal or an atlas does not allow."""
-
-
-class FitRefused(CaptureError):
-    """A request that the status of a fit, or what it found, does not allow."""
+class JobRefused(CaptureError):
+    """A request that the status of a rehearsal, an atlas or a fit, or what it found, does not allow."""
 
 
 class StoredUnreadable(CaptureError):

@@ -23,7 +23,7 @@ from server.api.runs import Run
 from server.api.services import AskerDep, PatienceDep, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Integer, Number, ShortText
-from server.errors import RehearsalNotFound
+from server.errors import JobNotFound
 from server.rehearsals.jobs import AtlasJob
 from sim.control.phases import Command
 from sim.rehearsal.atlas import Atlas, AtlasAxis, AtlasCell, axis_between, planned_atlas
@@ -152,7 +152,7 @@ def run_cell_future(
     job: AtlasJob = services.rehearsals.job(atlas_id, AtlasJob)
     of = job.atlas
     if x >= len(of.x.values) or y >= len(of.y.values):
-        raise RehearsalNotFound(f"atlas {job.id} has {len(of.x.values)} x {len(of.y.values)} cells; none at {x}, {y}")
+        raise JobNotFound(f"atlas {job.id} has {len(of.x.values)} x {len(of.y.values)} cells; none at {x}, {y}")
     require_future(future, of.futures, job)
     config = of.config_at(x, y)
     drawn = draw(of.situation, config, of.uncertainty, of.seed, future)

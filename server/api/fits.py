@@ -18,13 +18,13 @@ from server.api.reports import REPORT, report_response
 from server.api.services import AskerDep, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import ShortText
-from server.errors import FitRefused
+from server.errors import JobRefused
 from server.fits.jobs import FitJob
 from server.fits.recorded import preset_of, recorded_plan
 from server.instants import wall_clock
+from server.jobs.job import JobStatus
 from server.library.presets import NAME
 from server.library.runs import RunStore
-from server.rehearsals.jobs import JobStatus
 from server.reports.formats import ReportFormat, written
 from sim.config import MissionConfig
 from sim.identification.fit import MOST_RUNS, FitPlan
@@ -203,7 +203,7 @@ def delete_fit(services: ServicesDep, fit_id: JobId) -> Response:
 
 def _result(job: FitJob) -> FitResult:
     if job.result is None:
-        raise FitRefused(f"fit {job.id} is {job.status}: it has found nothing yet", tip="wait until it has finished")
+        raise JobRefused(f"fit {job.id} is {job.status}: it has found nothing yet", tip="wait until it has finished")
     return job.result
 
 

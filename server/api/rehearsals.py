@@ -15,11 +15,12 @@ from server.api.runs import Run, run_of
 from server.api.services import AskerDep, Patience, PatienceDep, Services, ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Changes, Integer, Number, ShortText
-from server.errors import RehearsalNotFound, RehearsalRefused
+from server.errors import JobNotFound, JobRefused
+from server.jobs.job import Job, JobStatus
 from server.library.changes import display_name
 from server.library.run_state import RunState
 from server.library.runs import RunStore, new_record
-from server.rehearsals.jobs import AtlasJob, Job, JobStatus, RehearsalJob
+from server.rehearsals.jobs import AtlasJob, RehearsalJob
 from server.rehearsals.look_ahead import LookAheadView
 from server.rehearsals.recorded import recorded_situation
 from sim.capture.beginning import Beginning
@@ -247,9 +248,7 @@ def rehearsal_result(
     """What its futures say; as Parquet a table with a row for each future."""
     job: RehearsalJob = services.rehearsals.job(rehearsal_id, RehearsalJob)
     if job.concluded is None:
-        raise RehearsalRefused(
-            f"rehearsal {job.id} is {job.status}: it has no result", tip="wait until it has finished"
-        )
+        raise JobRefused(f"rehearsal {job.id} is {job.status}: it has no result", tip="wait until it has finished")
     if result_format == "json":
         return Response(job.concluded.json, media_type="application/json")
     disposition = f'attachment; filename="becalm-rehearsal-{job.id}.parquet"'
@@ -280,7 +279,7 @@ def run_future(
     job: RehearsalJob = services.rehearsals.job(rehearsal_id, RehearsalJob)
     of = job.rehearsal
     if case not in of.cases:
-        raise RehearsalNotFound(f"rehearsal {job.id} changes nothing: it has no case {case}", tip="take as_it_is")
+        raise JobNotFound(f"rehearsal {job.id} changes nothing: it has no case {case}", tip="take as_it_is")
     require_future(future, of.futures, job)
     drawn = draw(of.situation, of.cases[case], of.uncertainty, of.seed, future)
     told = f"future {future} of rehearsal {job.id}, {case.replace('_', ' ')}"
@@ -299,12 +298,12 @@ def require_future(future: int, futures: int, job: Job) -> None:
     """Refuse a future that was not flown.
 
     Raises:
-        RehearsalNotFound: it was not.
+        JobNotFound: it was not.
 
     """
     if future >= futures:
         what = f"{job.kind} {job.id} has {futures} futures, numbered from 0; there is none at {future}"
-        raise RehearsalNotFound(what)
+        raise JobNotFound(what)
 
 
 def queued_future(

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from server.api.services import ServicesDep
 from server.edge.problem_json import responses
 from server.edge.values import Flag, ShortText
-from server.errors import RehearsalRefused
+from server.errors import JobRefused
 from server.rehearsals.jobs import RehearsalJob
 from server.scene import CAMERAS, LAYERS, CameraName, Scene
 from sim.rehearsal.rehearsal import RehearsalResult
@@ -87,12 +87,12 @@ async def hide_futures(services: ServicesDep) -> None:
 
 def _case(job: RehearsalJob, name: str) -> CaseResult:
     if job.run is not None:
-        raise RehearsalRefused(f"rehearsal {job.id} is of run {job.run}, and the live scene shows the live mission")
+        raise JobRefused(f"rehearsal {job.id} is of run {job.run}, and the live scene shows the live mission")
     if job.concluded is None:
-        raise RehearsalRefused(f"rehearsal {job.id} is {job.status}: it has no futures to draw")
+        raise JobRefused(f"rehearsal {job.id} is {job.status}: it has no futures to draw")
     case: CaseResult | None = getattr(RehearsalResult.model_validate_json(job.concluded.json), name)
     if case is None:
-        raise RehearsalRefused(f"rehearsal {job.id} was made without changes: it has the case as_it_is only")
+        raise JobRefused(f"rehearsal {job.id} was made without changes: it has the case as_it_is only")
     return case
 
 

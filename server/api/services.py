@@ -12,6 +12,7 @@ from starlette.requests import HTTPConnection
 
 from server.access.guard import Access, holder_of
 from server.alarms.watch import AlarmWatch
+from server.jobs.queue import JobQueue
 from server.library.index import RunIndex
 from server.library.journal import Journal
 from server.library.presets import PresetStore
@@ -27,7 +28,6 @@ from server.process.aside import Aside
 from server.process.disk import DiskGuard
 from server.rehearsals.foreseen import Foreseen
 from server.rehearsals.look_ahead import LookAhead
-from server.rehearsals.queue import RehearsalQueue
 from server.scene import Scene
 from server.settings import Settings
 from server.studies.queue import StudyQueue
@@ -52,8 +52,8 @@ class Services:
     presets: PresetStore
     studies: StudyStore
     study_queue: StudyQueue
-    rehearsals: RehearsalQueue
-    fits: RehearsalQueue
+    rehearsals: JobQueue
+    fits: JobQueue
     """Fits, which have a worker of their own."""
     look_ahead: LookAhead
     foreseen: Foreseen

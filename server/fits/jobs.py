@@ -7,9 +7,12 @@ from typing import Any
 
 from server.fits import worker
 from server.fits.worker import Looked
-from server.rehearsals.jobs import SOON, Job, Piece
+from server.jobs.job import SOON, Job, Piece
 from sim.identification.fit import FitPlan
 from sim.identification.result import FitResult
+
+NICENESS = 16
+"""Of its worker: rehearsals come first."""
 
 STEPS = 1000
 """Into which its progress is divided."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from server.errors import FitRefused
+from server.errors import JobRefused
 from server.library.changes import base_name
 from server.library.presets import Preset
 from server.library.reader import RunReader
@@ -48,11 +48,11 @@ def preset_of(name: str, record: RunRecord, fitted: Mapping[str, float], who: st
     """A run's configuration with fitted values, to be kept by name.
 
     Raises:
-        FitRefused: the fit has found no parameter of the configuration.
+        JobRefused: the fit has found no parameter of the configuration.
 
     """
     if not fitted:
-        raise FitRefused(
+        raise JobRefused(
             "the fit has found nothing that a preset can keep",
             tip="fit parameters of the configuration, such as contact.stiffness, to a run with a touch",
         )

@@ -8,11 +8,11 @@ from functools import partial
 from typing import NamedTuple
 
 from server.errors import LoopSilent, ServiceBusy
+from server.jobs.queue import JobQueue
 from server.library.recorder import Recorder
 from server.library.run_state import RunState
 from server.rehearsals.jobs import LookAheadJob
 from server.rehearsals.look_ahead import FUTURES, LookAhead
-from server.rehearsals.queue import RehearsalQueue
 from server.rehearsals.worker import Ahead
 from sim.config import MissionConfig
 from sim.control.phases import Command
@@ -41,7 +41,7 @@ class Foreseen:
         self,
         recorder: Recorder,
         look_ahead: LookAhead,
-        queue: RehearsalQueue,
+        queue: JobQueue,
         find_state: Callable[[], RunState],
     ) -> None:
         self._recorder, self._look_ahead = recorder, look_ahead

@@ -1,17 +1,12 @@
-"""What waits for the worker: a rehearsal, an atlas or a look-ahead, as pieces that each take some tenths of a second.
-
-Between two pieces the worker is free for what is more urgent, and a job ends that nobody waits for any longer.
-"""
+"""Rehearsals, atlases and look-aheads as jobs of a worker beside the live mission."""
 
 from __future__ import annotations
 
-import secrets
 import time
 from collections.abc import Callable, Iterator
-from datetime import UTC, datetime
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
-from server.instants import wall_clock
+from server.jobs.job import IDLY, SOON, URGENT, Job, Piece
 from server.rehearsals import worker
 from server.rehearsals.worker import Ahead, Concluded
 from sim.config import MissionConfig
@@ -19,7 +14,8 @@ from sim.rehearsal.atlas import Atlas, AtlasCell
 from sim.rehearsal.futures import rehearsed
 from sim.rehearsal.rehearsal import Rehearsal
 
-JobStatus = Literal["queued", "running", "finished", "failed", "cancelled", "superseded"]
+NICENESS = 12
+"""Of their worker: the live mission comes first, and studies give way to it less than this."""
 
 PIECE = 16
 """Futures that are flown before anything else may be."""
@@ -27,76 +23,16 @@ PIECE = 16
 PREPARING = "the simulation is prepared first, which takes a minute where it is compiled"
 """The note of a job that has begun and cannot fly yet."""
 
-URGENT, SOON, IDLY = 0, 1, 2
-"""Who goes first: what somebody waits for, maps that fill, and the look-ahead."""
 
-
-class Piece(NamedTuple):
-    """Something for the worker to do."""
-
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...]
-
-
-class Job:
-    """One thing that was asked for. The queue's lock guards what changes."""
-
-    kind: str
-    urgency: int
-
-    def __init__(self, asker: str, total: int) -> None:
-        self.id = f"{datetime.now(UTC):%Y%m%dT%H%M%S%f}"[:-3] + f"-{secrets.token_hex(3)}"
-        self.created = wall_clock()
-        self.asker = asker
-        self.total = total
-        self.done = 0
-        self.status: JobStatus = "queued"
-        self.note: str | None = None
-        self.restarted = False
-        self._began: float | None = None
-        self._ended: float | None = None
-        self._pieces = self.pieces()
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether nothing more comes of it."""
-        return self.status not in ("queued", "running")
-
-    @property
-    def wall_time(self) -> float:
-        """Since it began, to its end [s]."""
-        return 0.0 if self._began is None else (self._ended or time.monotonic()) - self._began
-
-    def next_piece(self) -> Piece | None:
-        """What the worker does next of it; None if that was all."""
-        if self._began is None:
-            self._began, self.status = time.monotonic(), "running"
-        piece = next(self._pieces, None)
-        self.note = PREPARING if piece is not None and piece.function is worker.prepare else None
-        return piece
-
-    def restart(self) -> None:
-        """Begin again: its worker was lost, and with it what it kept."""
-        self.restarted, self.done, self._pieces = True, 0, self.pieces()
-
-    def end(self, status: JobStatus, note: str | None = None) -> None:
-        """Say how it ended."""
-        self.status, self.note, self._ended = status, note, time.monotonic()
-
-    def pieces(self) -> Iterator[Piece]:
-        """All that the worker does of it, in order."""
-        raise NotImplementedError
-
-    def keep(self, result: Any) -> None:
-        """Take what a piece gave."""
-        raise NotImplementedError
+class _FuturesJob(Job):
+    """A job whose worker keeps the futures that it has flown."""
 
     def forgetting(self) -> Piece:
-        """What lets the worker forget it, when it ends before its time."""
+        """What lets the worker forget them."""
         return Piece(worker.forget, (self.id,))
 
 
-class RehearsalJob(Job):
+class RehearsalJob(_FuturesJob):
     """A rehearsal."""
 
     kind, urgency = "rehearsal", URGENT
@@ -130,7 +66,7 @@ class RehearsalJob(Job):
             self.done += result
 
 
-class LookAheadJob(Job):
+class LookAheadJob(_FuturesJob):
     """What the next request would do."""
 
     kind, urgency = "look-ahead", IDLY
@@ -162,7 +98,7 @@ class LookAheadJob(Job):
             self.done += result
 
 
-class WarmUpJob(Job):
+class WarmUpJob(_FuturesJob):
     """Nothing to fly: the worker starts, and loads what futures of a configuration run."""
 
     kind, urgency = "warm-up", IDLY
@@ -179,7 +115,7 @@ class WarmUpJob(Job):
         """Nothing is kept."""
 
 
-class AtlasJob(Job):
+class AtlasJob(_FuturesJob):
     """An atlas, whose cells are there as they come."""
 
     kind, urgency = "atlas", SOON
@@ -193,7 +129,7 @@ class AtlasJob(Job):
     def pieces(self) -> Iterator[Piece]:
         """Its cells, coarse first."""
         cells = self.atlas.cells()
-        yield Piece(worker.prepare, ([self.atlas.config],))
+        yield Piece(worker.prepare, ([self.atlas.config],), PREPARING)
         together = max(2, PIECE // self.atlas.futures)
         for start in range(0, len(cells), together):
             yield Piece(worker.fly_cells, (self.atlas, cells[start : start + together]))
@@ -211,7 +147,7 @@ class AtlasJob(Job):
 
 def _futures(job: str, rehearsal: Rehearsal) -> Iterator[Piece]:
     """The futures of all cases side by side: who looks early sees both."""
-    yield Piece(worker.prepare, (list(rehearsal.cases.values()),))
+    yield Piece(worker.prepare, (list(rehearsal.cases.values()),), PREPARING)
     for start in range(0, rehearsal.futures, PIECE):
         numbers = range(start, min(start + PIECE, rehearsal.futures))
         for case in rehearsal.cases:

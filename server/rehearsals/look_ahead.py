@@ -10,9 +10,9 @@ from collections.abc import Callable
 from pydantic import Field
 
 from server.errors import LoopSilent, ServiceBusy
+from server.jobs.queue import JobQueue
 from server.library.run_state import RunState
 from server.rehearsals.jobs import LookAheadJob
-from server.rehearsals.queue import RehearsalQueue
 from sim.config import MissionConfig
 from sim.control.phases import Command, Phase
 from sim.errors import MissionRefused
@@ -57,7 +57,7 @@ class LookAhead:
 
     def __init__(
         self,
-        queue: RehearsalQueue,
+        queue: JobQueue,
         find_state: Callable[[], RunState],
         find_phase: Callable[[], str | None],
         go_odds: float,

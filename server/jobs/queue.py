@@ -11,8 +11,8 @@ from collections import OrderedDict
 from concurrent.futures import BrokenExecutor
 from typing import Any
 
-from server.errors import RehearsalNotFound, RehearsalRefused, ServiceBusy
-from server.rehearsals.jobs import Job, JobStatus, Piece
+from server.errors import JobNotFound, JobRefused, ServiceBusy
+from server.jobs.job import Job, JobStatus, Piece
 from sim.errors import CaptureError
 from sim.study.executors import LocalProcesses
 
@@ -22,30 +22,24 @@ CAPACITY = 8
 KEPT = 32
 """Jobs that have ended and can still be read."""
 
-NICENESS = 12
-"""Of the worker of rehearsals: the live mission comes first, and studies give way to it less than this."""
-
-NICENESS_OF_FITS = 16
-"""Of the worker of fits: rehearsals come first."""
-
 IDLE_TIME = 300.0
 """After so long without anything to do the worker is let go of, and its memory with it [s]."""
 
 log = logging.getLogger(__name__)
 
 
-class RehearsalQueue:
+class JobQueue:
     """What was asked for, and what came of it. Safe from any thread."""
 
-    def __init__(self, niceness: int = NICENESS) -> None:
-        """Nothing waits yet; a worker of that niceness will do what comes."""
+    def __init__(self, name: str, niceness: int) -> None:
+        """Nothing waits yet; a worker of that niceness will do what comes, led by a thread of that name."""
         self._niceness = niceness
         self._jobs: OrderedDict[str, Job] = OrderedDict()
         self._changed = threading.Condition()
         self._closing = False
         self._pool: LocalProcesses | None = None
         self._forgotten: list[Piece] = []
-        self._thread = threading.Thread(target=self._live, name="becalm-rehearsals", daemon=True)
+        self._thread = threading.Thread(target=self._live, name=f"becalm-{name}", daemon=True)
 
     def start(self) -> None:
         """Start the thread; the worker starts with the first job."""
@@ -91,13 +85,13 @@ class RehearsalQueue:
         """The job of that identifier.
 
         Raises:
-            RehearsalNotFound: there is none of that kind, or not any more.
+            JobNotFound: there is none of that kind, or not any more.
 
         """
         with self._changed:
             found = self._jobs.get(job_id)
         if not isinstance(found, kind):
-            raise RehearsalNotFound(
+            raise JobNotFound(
                 f"{kind.kind} {job_id!r} does not exist", tip=f"the newest {KEPT} are kept until the service ends"
             )
         return found
@@ -106,12 +100,12 @@ class RehearsalQueue:
         """End a job that waits or flies.
 
         Raises:
-            RehearsalRefused: it has ended.
+            JobRefused: it has ended.
 
         """
         with self._changed:
             if job.has_ended:
-                raise RehearsalRefused(f"{job.kind} {job.id} is {job.status} already")
+                raise JobRefused(f"{job.kind} {job.id} is {job.status} already")
             self._end(job, "cancelled")
 
     def remove(self, job: Job) -> None:

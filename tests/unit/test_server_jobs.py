@@ -1,4 +1,4 @@
-"""The queue of rehearsals: who goes first, what is superseded, what becomes of what fails; its worker is played."""
+"""The queue of jobs: who goes first, what is superseded, what becomes of what fails; its worker is played."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from server.errors import RehearsalNotFound, RehearsalRefused, ServiceBusy
-from server.rehearsals import queue as queue_module
-from server.rehearsals.jobs import IDLY, SOON, URGENT, Job, Piece
-from server.rehearsals.queue import CAPACITY, RehearsalQueue
+from server.errors import JobNotFound, JobRefused, ServiceBusy
+from server.jobs import queue as queue_module
+from server.jobs.job import IDLY, SOON, URGENT, Job, Piece
+from server.jobs.queue import CAPACITY, JobQueue
 
 PATIENCE = 60.0
 
@@ -60,16 +60,19 @@ class Steps(Job):
         super().end(status, note)
         self.ended.set()
 
+    def forgetting(self) -> Piece:
+        return Piece(lambda: None, ())
+
 
 @pytest.fixture
-def queue(monkeypatch: pytest.MonkeyPatch) -> Iterator[RehearsalQueue]:
+def queue(monkeypatch: pytest.MonkeyPatch) -> Iterator[JobQueue]:
     monkeypatch.setattr(queue_module, "LocalProcesses", Played)
-    made = RehearsalQueue()
+    made = JobQueue("tests", 12)
     yield made
     made.shutdown()
 
 
-def test_what_is_urgent_goes_before_what_has_begun(queue: RehearsalQueue) -> None:
+def test_what_is_urgent_goes_before_what_has_begun(queue: JobQueue) -> None:
     done: list[str] = []
     urgent = Steps("urgent", 2, URGENT, done.append)
 
@@ -87,7 +90,7 @@ def test_what_is_urgent_goes_before_what_has_begun(queue: RehearsalQueue) -> Non
     assert queue.waiting == 0
 
 
-def test_a_newer_one_of_the_same_asker_and_kind_takes_the_place_of_the_older(queue: RehearsalQueue) -> None:
+def test_a_newer_one_of_the_same_asker_and_kind_takes_the_place_of_the_older(queue: JobQueue) -> None:
     first, other, second = (Steps(name, 1, SOON, print, asker) for name, asker in ("ax", "by", "cx"))
     for job in (first, other, second):
         queue.add(job)
@@ -95,7 +98,7 @@ def test_a_newer_one_of_the_same_asker_and_kind_takes_the_place_of_the_older(que
     assert "takes its place" in str(first.note)
 
 
-def test_so_many_may_wait(queue: RehearsalQueue) -> None:
+def test_so_many_may_wait(queue: JobQueue) -> None:
     for place in range(CAPACITY):
         queue.add(Steps(str(place), 1, SOON, print))
     with pytest.raises(ServiceBusy, match=f"{CAPACITY} rehearsals, atlases and fits wait already"):
@@ -105,7 +108,7 @@ def test_so_many_may_wait(queue: RehearsalQueue) -> None:
     assert newest.status == "queued"
 
 
-def test_what_is_cancelled_is_flown_no_further(queue: RehearsalQueue) -> None:
+def test_what_is_cancelled_is_flown_no_further(queue: JobQueue) -> None:
     done: list[str] = []
     following = Steps("following", 1, SOON, done.append)
 
@@ -120,11 +123,11 @@ def test_what_is_cancelled_is_flown_no_further(queue: RehearsalQueue) -> None:
     assert following.ended.wait(PATIENCE)
     assert done == ["cancelled", "following"]
     assert (cancelled.status, cancelled.done) == ("cancelled", 0)
-    with pytest.raises(RehearsalRefused, match="is cancelled already"):
+    with pytest.raises(JobRefused, match="is cancelled already"):
         queue.cancel(cancelled)
 
 
-def test_the_worker_ends_what_is_cancelled_while_nothing_else_waits(queue: RehearsalQueue) -> None:
+def test_the_worker_ends_what_is_cancelled_while_nothing_else_waits(queue: JobQueue) -> None:
     forgotten = threading.Event()
 
     class Forgettable(Steps):
@@ -138,7 +141,7 @@ def test_the_worker_ends_what_is_cancelled_while_nothing_else_waits(queue: Rehea
     assert cancelled.status == "cancelled"
 
 
-def test_a_job_begins_again_once_if_its_worker_is_lost(queue: RehearsalQueue) -> None:
+def test_a_job_begins_again_once_if_its_worker_is_lost(queue: JobQueue) -> None:
     tries: list[str] = []
 
     def dies(name: str) -> None:
@@ -159,7 +162,7 @@ def test_a_job_begins_again_once_if_its_worker_is_lost(queue: RehearsalQueue) ->
     assert "died again" in str(always.note)
 
 
-def test_what_fails_says_why_and_what_waits_is_flown(queue: RehearsalQueue) -> None:
+def test_what_fails_says_why_and_what_waits_is_flown(queue: JobQueue) -> None:
     def fails(_: str) -> None:
         raise ValueError("no such thing")
 
@@ -172,13 +175,13 @@ def test_what_fails_says_why_and_what_waits_is_flown(queue: RehearsalQueue) -> N
     assert following.status == "finished"
 
 
-def test_a_job_is_found_by_its_kind_until_it_is_removed(queue: RehearsalQueue) -> None:
+def test_a_job_is_found_by_its_kind_until_it_is_removed(queue: JobQueue) -> None:
     job = Steps("a", 1, SOON, print)
     queue.add(job)
     assert queue.job(job.id, Steps) is job
-    with pytest.raises(RehearsalNotFound):
+    with pytest.raises(JobNotFound):
         queue.job("nothing", Steps)
     queue.remove(job)
     assert job.status == "cancelled"
-    with pytest.raises(RehearsalNotFound, match="does not exist"):
+    with pytest.raises(JobNotFound, match="does not exist"):
         queue.job(job.id, Steps)
