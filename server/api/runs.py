@@ -152,6 +152,9 @@ class RunSummary(BaseModel):
 class Run(RunSummary):
     """A run with the configuration that it was flown with."""
 
+    earlier_outcomes: tuple[Outcome, ...] = Field(
+        description="How the sequences ended that reached a verdict before the last one, in order"
+    )
     config: MissionConfig
     damaged_events: int | None = Field(
         description="Lines of its events that cannot be read, and are left out of `/events`; null: none can be read. "
@@ -430,7 +433,9 @@ def run_of(reader: RunReader) -> Run:
     """The run as it is shown."""
     fields = _fields(reader)
     fields["notices"] += reader.log_notices
-    return Run(**fields, config=reader.record.config, damaged_events=reader.damaged_events)
+    record = reader.record
+    earlier = record.earlier_outcomes
+    return Run(**fields, earlier_outcomes=earlier, config=record.config, damaged_events=reader.damaged_events)
 
 
 def _fields(reader: RunReader) -> dict[str, Any]:

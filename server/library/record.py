@@ -38,7 +38,8 @@ class RunRecord(FrozenMessage):
     robot: bool = Field(False, description="Whether a robot was flown over the link: its ticks hold what it perceived")
     started: str = Field(description="ISO 8601, UTC")
     duration: float = Field(0.0, description="Mission time of the last recorded tick [s]")
-    outcome: Outcome | None = None
+    outcome: Outcome | None = Field(None, description="How its last sequence with a verdict ended")
+    earlier_outcomes: tuple[Outcome, ...] = Field((), description="How the sequences before that one ended, in order")
     real_time_factor: float | None = Field(None, description="Simulated seconds a second; of a scripted run")
     note: str | None = None
     parent: str | None = Field(None, description="The run that this one was forked from, or the study that it is of")

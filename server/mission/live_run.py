@@ -48,6 +48,7 @@ class LiveRun:
         self._recorder = recorder
         self._recording = self._has_first_tick = self._has_moved = fork is not None
         self._quiet_since: float | None = None
+        self._outcomes: list[Outcome] = []
         self._record = record
 
     def open(self) -> None:
@@ -81,8 +82,9 @@ class LiveRun:
         self._recorder.log(event)
 
     def conclude(self, outcome: Outcome) -> None:
-        """The mission has its verdict."""
-        self._end("finished", outcome=outcome)
+        """A sequence of the mission has its verdict; those of the sequences before it stay."""
+        self._end("finished", outcome=outcome, earlier_outcomes=tuple(self._outcomes))
+        self._outcomes.append(outcome)
 
     def fail(self, note: str) -> None:
         """The plant failed; what was recorded stays."""

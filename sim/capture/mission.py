@@ -171,7 +171,7 @@ class Mission:
 
     def refusal(self, command: Command, *, on_robot: bool) -> str:
         """Why a command cannot end well as things stand, with numbers; empty if it can. `request` does not ask."""
-        return refusal(command, self.config, self.flown().row, on_robot=on_robot)
+        return refusal(command, self.config, self.phase, self._chronicle.happened, on_robot=on_robot)
 
     def stop(self) -> None:
         """Joint rates zero from the next tick on; granted in every phase."""

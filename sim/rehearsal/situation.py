@@ -162,7 +162,7 @@ class Situation:
                 f"request = {request.value}: a hand touches the target, and no sequence can begin there",
                 tip="leave request out to go on with what is under way, or release the target first",
             )
-        if speaks_against := refusal(request, config, self.mark.happened.last[0], on_robot=False):
+        if speaks_against := refusal(request, config, self.phase, self.mark.happened, on_robot=False):
             raise MissionRefused(speaks_against)
 
     def _require_under_way(self, config: MissionConfig) -> None:

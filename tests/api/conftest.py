@@ -63,10 +63,14 @@ class Console:
 
     async def until_run(self, run_id: str, *statuses: str) -> dict[str, Any]:
         """The run, once the process or thread that writes it has given it one of these statuses."""
+        return await self.until_kept(run_id, lambda run: run.get("status") in statuses)
+
+    async def until_kept(self, run_id: str, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The run, once what the process or thread that writes it has kept of it fits."""
         async with asyncio.timeout(PATIENCE):
             while True:
-                run = (await self.http.get(f"/runs/{run_id}")).json()
-                if run.get("status") in statuses:
+                run: dict[str, Any] = (await self.http.get(f"/runs/{run_id}")).json()
+                if fits(run):
                     return run
                 await asyncio.sleep(0.02)
 

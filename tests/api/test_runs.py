@@ -136,6 +136,20 @@ async def test_reset_in_the_middle_keeps_the_run_as_cancelled(console):
     assert run["note"] == "ended by reset"
 
 
+async def test_a_second_sequence_leaves_the_outcome_of_the_first_in_the_run(console):
+    await console.granted("reset", configuration="published", changes={"judging": {"time_limit": 0.2}})
+    await console.granted("run", speed=0)
+    await console.granted("capture")
+    first = await console.until(lambda snapshot: snapshot.outcome is not None)
+    await console.granted("capture")
+    second = await console.until(lambda snapshot: snapshot.outcome is not None)
+    assert first.run_id == second.run_id
+    of_first, of_second = (each.outcome.model_dump(mode="json") for each in (first, second))
+    assert of_first != of_second
+    run = await console.until_kept(first.run_id, lambda run: run["outcome"] == of_second)
+    assert run["earlier_outcomes"] == [of_first]
+
+
 PUBLISHED = {"configuration": "published"}
 
 

@@ -147,3 +147,18 @@ class TestRunCapture:
 
         with pytest.raises(OSError, match="no space left"):
             run_capture(SHORT, on_ticks=full)
+
+
+def test_no_sequence_begins_while_a_caged_target_is_held():
+    mission = Mission(revised(named_configuration("becalm"), {"simulation": {"engine": "reduced"}}))
+    mission.request(Command.CAPTURE)
+    for _ in range(20):
+        mission.advance(1000)
+    assert mission.outcome is not None
+    assert mission.outcome.caged
+    for command in (Command.CAPTURE, Command.DETUMBLE, Command.CAGE):
+        assert "release it first" in mission.refusal(command, on_robot=False)
+    mission.request(Command.RELEASE)
+    mission.advance(2000)
+    mission.request(Command.HOLD)
+    assert not mission.refusal(Command.CAPTURE, on_robot=False)
