@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,6 +15,9 @@ from server.scene.solids import Solid, joined
 
 Part = tuple[Solid, Material]
 
+_MARKS = itertools.count(1)
+"""Of the files that this process has made: by its mark a page finds what it has decoded (`server.pages.scene_page`)."""
+
 
 def glb(parts: Sequence[Part]) -> bytes:
     """All parts in the node's own axes; those of one material are one mesh, drawn together."""
@@ -22,13 +26,14 @@ def glb(parts: Sequence[Part]) -> bytes:
     for index, material in enumerate(materials):
         scene.add_geometry(_mesh(joined([solid for solid, of in parts if of == material])), geom_name=str(index))
 
-    def give_materials(tree: dict[str, Any]) -> None:
+    def finish(tree: dict[str, Any]) -> None:
         # Not as visuals of the meshes: those round linear light to 8 bits, in which dark colours are all alike.
+        tree["scenes"][0]["extras"] = {"mark": next(_MARKS)}
         tree["materials"] = [_material(material) for material in materials]
         for mesh in tree["meshes"]:
             mesh["primitives"][0]["material"] = int(mesh["name"])
 
-    content: bytes = export_glb(scene, include_normals=True, tree_postprocessor=give_materials)
+    content: bytes = export_glb(scene, include_normals=True, tree_postprocessor=finish)
     return content
 
 

@@ -65,6 +65,7 @@ class Scene:
         self._camera: CameraName = "perspective"
         self._latest: Snapshot | None = None
         self._given: dict[int, View] = {}
+        self._arrived: set[int] = set()
         self._shown = 0
         self._settled_at = 0
 
@@ -201,7 +202,9 @@ class Scene:
         """From where a visitor looks, who has moved the camera; else the preset in force, framed for the picture."""
         for client in server.get_clients().values():
             camera = client.camera
-            if _is_somewhere(camera) and not self._is_untouched(client, server):
+            # A browser's first word is of where viser itself begins, not of what a visitor has chosen.
+            arrived = client.client_id in self._arrived
+            if arrived and _is_somewhere(camera) and not self._is_untouched(client, server):
                 return View(camera.position, camera.look_at), camera.fov
         return self._view(aspect), cameras.FIELD_OF_VIEW
 
@@ -275,6 +278,8 @@ class Scene:
                 return
             wanted = self._view(client.camera.aspect)
             untouched = self._is_untouched(client, self._server)
+            if untouched:
+                self._arrived.add(client.client_id)
             if untouched and not _is_near(client.camera.position, wanted.position):
                 self._give(client, wanted)
 
@@ -289,6 +294,7 @@ class Scene:
     def _forget(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._given.pop(client.client_id, None)
+            self._arrived.discard(client.client_id)
 
     def _give(self, client: viser.ClientHandle, view: View) -> None:
         """Moves a browser's camera."""

@@ -37,6 +37,8 @@ type Work =
 
 interface Studio {
   readonly work: Work;
+  /** Whether there is something to take a picture of, and no other is being taken. */
+  readonly ready: boolean;
   readonly saveStill: (size: Frame, ground: Ground, name: string) => void;
   readonly saveFilm: (plan: FilmPlan, size: Frame, ground: Ground, name: string) => void;
   readonly cancel: () => void;
@@ -50,7 +52,7 @@ const nextName = (): string => {
 };
 
 /** One still or film at a time; the replay then shows its own moment again. */
-function useStudio(playback: Playback, takePicture: Take): Studio {
+function useStudio(playback: Playback, takePicture: Take, seen: boolean): Studio {
   const [work, setWork] = useState<Work>({ state: "idle" });
   const { detail } = useDetail();
   const given = useRef<AbortController>(new AbortController());
@@ -73,6 +75,7 @@ function useStudio(playback: Playback, takePicture: Take): Studio {
   };
   return {
     work,
+    ready: seen && work.state !== "busy",
     saveStill: (size, ground, name) =>
       void run(async () => {
         const sheet = new Sheet(size, ground);
@@ -113,7 +116,7 @@ function FilmForm({ playback, size, name, studio }: { readonly playback: Playbac
         <Choice within aria-label="Frames a second" value={rate} data={namesOf(RATES, "frames a second")} onChange={setRate} />
       </div>
       <p role="status">{trouble ?? `${frames} frames, ${fixed(frames / plan.rate, 1)} s. Keep the scene in view while it is drawn.`}</p>
-      <Button size="compact-sm" disabled={trouble !== null || studio.work.state === "busy"} onClick={() => { studio.saveFilm(plan, size, "night", name); }}>
+      <Button size="compact-sm" disabled={trouble !== null || !studio.ready} onClick={() => { studio.saveFilm(plan, size, "night", name); }}>
         Save film (WebM)
       </Button>
     </fieldset>
@@ -127,7 +130,7 @@ function StillForm({ playback, size, name, studio }: { readonly playback: Playba
     <fieldset className={styles.part}>
       <legend>Still</legend>
       <Choice within aria-label="Background of the still" value={ground} data={GROUNDS.map((value) => ({ value, label: GROUND_WORDS[value] }))} onChange={(value) => { setGround(GROUNDS.find((each) => each === value) ?? "transparent"); }} />
-      <Button size="compact-sm" disabled={studio.work.state === "busy"} onClick={() => { studio.saveStill(size, ground, `${name}-${fixed(time, 3)}s`); }}>
+      <Button size="compact-sm" disabled={!studio.ready} onClick={() => { studio.saveStill(size, ground, `${name}-${fixed(time, 3)}s`); }}>
         {`Save still of ${clock(time)} (PNG)`}
       </Button>
     </fieldset>
@@ -148,12 +151,20 @@ function Progressing({ studio }: { readonly studio: Studio }) {
   );
 }
 
-export function PictureMenu({ playback, takePicture }: { readonly playback: Playback; readonly takePicture: Take }) {
-  const studio = useStudio(playback, takePicture);
+interface PictureMenuProps {
+  readonly playback: Playback;
+  readonly takePicture: Take;
+  /** Whether the scene shows robot and target. */
+  readonly drawn: boolean;
+}
+
+export function PictureMenu({ playback, takePicture, drawn }: PictureMenuProps) {
+  const run = useView((view) => view.run?.id ?? null);
+  const seen = drawn && run !== null;
+  const studio = useStudio(playback, takePicture, seen);
   const [sizeName, setSizeName] = useKept("becalm-picture-size", "1920 × 1080", SIZE_NAMES);
-  const run = useView((view) => view.run?.id ?? "run");
   const size = SIZES[sizeName] ?? { width: 1920, height: 1080 };
-  const name = `becalm-${run}`;
+  const name = `becalm-${run ?? "run"}`;
   const share = studio.work.state === "busy" && studio.work.total > 1 ? ` ${Math.round((100 * studio.work.done) / studio.work.total)} %` : "";
   return (
     <Popup target={<Button size="compact-sm" title="Save the scene as a still or as a film">{`Picture${share}`}</Button>}>
@@ -161,6 +172,7 @@ export function PictureMenu({ playback, takePicture }: { readonly playback: Play
         <Choice within label="Size, pixels" value={sizeName} data={SIZE_NAMES} onChange={setSizeName} />
         <StillForm playback={playback} size={size} name={name} studio={studio} />
         <FilmForm playback={playback} size={size} name={name} studio={studio} />
+        {!seen && <p role="status">A picture can be taken once the scene shows robot and target.</p>}
         <Progressing studio={studio} />
       </div>
     </Popup>

@@ -37,7 +37,14 @@ function Step({ playback, ticks, label, icon }: { readonly playback: Playback; r
   );
 }
 
-export function Transport({ playback, takePicture }: { readonly playback: Playback; readonly takePicture: Source["takePicture"] }) {
+interface TransportProps {
+  readonly playback: Playback;
+  readonly takePicture: Source["takePicture"];
+  /** Whether the scene shows robot and target. */
+  readonly drawn: boolean;
+}
+
+export function Transport({ playback, takePicture, drawn }: TransportProps) {
   const { time, playing, speed, end } = useSyncExternalStore(playback.subscribe, playback.read);
   useFrames(playback, playing);
   return (
@@ -71,7 +78,7 @@ export function Transport({ playback, takePicture }: { readonly playback: Playba
         data={SPEEDS.map((value) => ({ value: String(value), label: `${value} ×` }))}
         onChange={(value) => { playback.setSpeed(Number(value)); }}
       />
-      {takePicture !== null && <PictureMenu playback={playback} takePicture={takePicture} />}
+      {takePicture !== null && <PictureMenu playback={playback} takePicture={takePicture} drawn={drawn} />}
       <CopyButton label="Copy link" title="Copy the address of this moment, with the stretch that the plots show" text={() => { keepMoment({ time }); return location.href; }} />
     </div>
   );

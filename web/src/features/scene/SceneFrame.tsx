@@ -1,5 +1,5 @@
 /** A scene in its frame, live or recorded, and what is awaited until it can be seen. */
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import type { Detail } from "./detail";
 import { loadingWords, useStage } from "./loading";
 import styles from "./ScenePanel.module.css";
@@ -8,11 +8,19 @@ interface SceneFrameProps {
   readonly address: string;
   readonly detail: Detail;
   readonly title: string;
+  /** Told whether robot and target can be seen; false when it is no longer there, too. */
+  readonly onDrawn?: ((drawn: boolean) => void) | undefined;
 }
 
-export function SceneFrame({ address, detail, title }: SceneFrameProps) {
+export function SceneFrame({ address, detail, title, onDrawn }: SceneFrameProps) {
   const [frame, setFrame] = useState<HTMLIFrameElement | null>(null);
-  const words = loadingWords(useStage(frame, address), detail);
+  const stage = useStage(frame, address);
+  const words = loadingWords(stage, detail);
+  useEffect(() => {
+    if (stage !== "drawn") return undefined;
+    onDrawn?.(true);
+    return () => onDrawn?.(false);
+  }, [stage, address, onDrawn]);
   return (
     <>
       <iframe ref={setFrame} src={address} title={title} className={styles.frame} />

@@ -64,7 +64,7 @@ function Empty() {
   );
 }
 
-export function ScenePanel() {
+export function ScenePanel({ onDrawn }: { readonly onDrawn?: (drawn: boolean) => void }) {
   const page = useView((view) => (view.ended === null ? view.scene : null));
   const old = useView((view) => view.trust === "stale" || view.trust === "preparing" || view.robotAge > 0);
   const detail = useDetail();
@@ -74,7 +74,7 @@ export function ScenePanel() {
         <Empty />
       ) : (
         <>
-          <SceneFrame address={sceneAddress(page, detail.detail)} detail={detail.detail} title="3D view of robot and target" />
+          <SceneFrame address={sceneAddress(page, detail.detail)} detail={detail.detail} title="3D view of robot and target" onDrawn={onDrawn} />
           <Arrangement key={page} page={page} />
           <DetailSwitch {...detail} />
           {old && <div className={styles.veil} aria-hidden="true" />}
