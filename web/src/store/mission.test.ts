@@ -52,6 +52,20 @@ const health = (status: "ok" | "preparing") => ({
   access_failure: null,
 });
 
+it("tells panels what goes by ten times a second, however often somebody looks at the clock", () => {
+  const clock = { now: 0 };
+  const store = storeAt(clock);
+  store.snapshot(snapshot(0));
+  let told = 0;
+  store.subscribe(() => { told += 1; });
+  for (clock.now = 1; clock.now <= 2000; clock.now += 1) {
+    if (clock.now % 17 === 0) store.snapshot(snapshot(clock.now));
+    if (clock.now % 100 === 60) store.checkAge();
+  }
+  expect(told).toBeGreaterThanOrEqual(15);
+  expect(told).toBeLessThanOrEqual(21);
+});
+
 describe("trust in what is shown", () => {
   it("goes stale half a second after the last snapshot, and tells the age", () => {
     const clock = { now: 0 };

@@ -188,7 +188,9 @@ export class MissionStore implements Sink {
   /** Looks at the clock: what is shown may have grown old without anything happening. Called every tenth of a second. */
   readonly checkAge = (): void => {
     this.silentChecks += 1;
-    this.publish();
+    // What comes all the time is published at its own pace; only what nothing tells is looked for here.
+    const turned = this.judged(this.view).trust !== this.view.trust;
+    if (turned || this.now() - this.publishedAt >= PUBLISH_PERIOD / 2) this.publish();
   };
 
   private change(change: Partial<MissionView>, atOnce: boolean): void {

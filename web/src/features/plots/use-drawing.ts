@@ -62,7 +62,12 @@ export const aheadOf = (placed: Placed | null, now: number): number => (placed =
 /** Phases in which nothing moves but the time axis. */
 const RESTS: ReadonlySet<string> = new Set(["idle", "stopped", "faulted"]);
 
-/** One drawing at a time, with a frame of the browser, while the place that it is for can be seen. */
+/**
+ * One drawing at a time, while the place that it is for can be seen.
+ *
+ * It is drawn when its time has come, not with a frame of the browser: to ask for one as well takes as long as a third
+ * of the drawing, and a canvas shows up with the next frame anyway. A page that is hidden waits for a frame.
+ */
 class Frames {
   draw: (now: number) => void = () => undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -85,12 +90,15 @@ class Frames {
     clearTimeout(this.timer);
     this.due = due;
     this.timer = setTimeout(() => {
-      this.request = requestAnimationFrame((now) => {
-        this.request = 0;
-        this.due = Infinity;
-        this.draw(now);
-      });
+      if (document.hidden) this.request = requestAnimationFrame((now) => { this.drawAt(now); });
+      else this.drawAt(performance.now());
     }, wait);
+  }
+
+  private drawAt(now: number): void {
+    this.request = 0;
+    this.due = Infinity;
+    this.draw(now);
   }
 
   end(): void {
