@@ -4,6 +4,10 @@ import { dirname, join } from "node:path";
 import react from "@vitejs/plugin-react";
 import { build, defineConfig, type Plugin } from "vite";
 import { helpPages } from "./documentation.ts";
+import { firstLoadWithin } from "./first-load.ts";
+
+/** Bytes, compressed: on a slow network of a lab the console is there within a few seconds. */
+const FIRST_LOAD = 350_000;
 
 const service = process.env["BECALM_URL"] ?? "http://127.0.0.1:8000";
 
@@ -55,7 +59,7 @@ function stopFirst(): Plugin {
 }
 
 export default defineConfig({
-  plugins: [react(), swaggerUi(), stopFirst(), helpPages("../docs", "help.css")],
+  plugins: [react(), swaggerUi(), stopFirst(), helpPages("../docs", "help.css"), firstLoadWithin(FIRST_LOAD)],
   // Relative: the console may lie under a path of another site (src/api/address.ts).
   base: "./",
   build: {
@@ -66,7 +70,11 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     // jsPDF would read these for HTML and canvas sources; figures are SVG (src/ui/export).
-    rolldownOptions: { external: ["html2canvas", "dompurify", "canvg"] },
+    rolldownOptions: {
+      external: ["html2canvas", "dompurify", "canvg"],
+      // What the page needs at once is one file: smaller than two dozen, and asked for once.
+      output: { codeSplitting: { groups: [{ name: "console", tags: ["$initial"] }] } },
+    },
   },
   server: {
     proxy: {

@@ -181,7 +181,7 @@ def _opened_console(browser: Browser, service: Service, name: str, *, scene: boo
         context.route("**/scene/**", lambda route: route.fulfill(body="<!doctype html><p>no scene in this test</p>"))
     page = context.new_page()
     failures: list[str] = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.on("pageerror", lambda error: failures.append(error.stack or str(error)))
     page.goto(service.address)
     expect(page.get_by_role("status", name="Data: Live")).to_be_visible()
     if scene:

@@ -1,9 +1,8 @@
 import { MantineProvider } from "@mantine/core";
 import { QueryClientProvider } from "@tanstack/react-query";
-import { useState, type ReactNode } from "react";
+import { Suspense, useState, type ReactNode } from "react";
 import { newQueryClient } from "../api/query-client";
 import { AccessContext, useAccess, useAccessState } from "../features/access/session";
-import { SignIn } from "../features/access/SignIn";
 import { DeskContext } from "../features/commands/context";
 import { CommandDesk } from "../features/commands/desk";
 import { useDisarming } from "../features/commands/disarming";
@@ -16,6 +15,7 @@ import { StoreContext } from "../store/context";
 import { surfaces, theme } from "../ui/theme/theme";
 import styles from "./App.module.css";
 import { Boundary } from "../ui/Boundary";
+import { SignIn } from "./later";
 import { useLiveMission } from "./live";
 import { PreferencesContext, usePreferencesState } from "../units/preferences";
 import { Shell } from "./Shell";
@@ -62,7 +62,7 @@ function Console() {
 function Gate() {
   const { session } = useAccess();
   if (session === null) return <p className={styles.waiting}>Waiting for the service to answer. STOP still works.</p>;
-  return session.token_needed && session.role === null ? <SignIn /> : <Console />;
+  return session.token_needed && session.role === null ? <Suspense fallback={null}><SignIn /></Suspense> : <Console />;
 }
 
 function SignedIn() {

@@ -1,10 +1,9 @@
 /** The live mission: act on the left, see in the middle, know on the right. */
-import { useMemo, useRef, type CSSProperties, type ReactNode } from "react";
+import { Suspense, useMemo, useRef, type CSSProperties, type ReactNode } from "react";
 import { CommandPanel } from "../features/commands/CommandPanel";
 import { EventLog } from "../features/events/EventLog";
 import { ProblemList } from "../features/events/ProblemList";
 import { MissionStrip } from "../features/mission/MissionStrip";
-import { WallView } from "../features/mission/WallView";
 import { ParameterPanel } from "../features/parameters/ParameterPanel";
 import { PlotPanel } from "../features/plots/PlotPanel";
 import { LivePrediction } from "../features/rehearsal/Predicted";
@@ -13,6 +12,7 @@ import { RehearseButton } from "../features/rehearsal/RehearseButton";
 import { RunPanel } from "../features/runs/RunPanel";
 import { ScenePanel } from "../features/scene/ScenePanel";
 import { Divider } from "../ui/Divider";
+import { WallView } from "./later";
 import { BOUNDS, useLayout, withSize, type Layout, type Size } from "./layout";
 import styles from "./MissionPage.module.css";
 import { arrangementOf, moved, textOf, type PanelName, type Place } from "./panels/arrangement";
@@ -96,7 +96,7 @@ export function MissionPage({ shown }: { readonly shown: boolean }) {
   const [layout, setLayout] = useLayout();
   return (
     <div className={styles.page} hidden={!shown} data-view={layout.view}>
-      {layout.view === "wall" ? shown && <WallView /> : <MissionStrip />}
+      {layout.view === "wall" ? shown && <Suspense fallback={null}><WallView /></Suspense> : <MissionStrip />}
       <Columns layout={layout} onLayout={setLayout}>
         <LivePrediction>
           <PlotPanel />

@@ -10,6 +10,8 @@ const READ = {
   link: async () => ({ default: (await import("../features/link/LinkPage")).LinkPage }),
   palette: async () => ({ default: (await import("./palette/Palette")).Palette }),
   tour: async () => ({ default: (await import("./tour/Tour")).Tour }),
+  wall: async () => ({ default: (await import("../features/mission/WallView")).WallView }),
+  signIn: async () => ({ default: (await import("../features/access/SignIn")).SignIn }),
 };
 
 export const LibraryPage = lazy(READ.library);
@@ -20,6 +22,11 @@ export const AlarmsPage = lazy(READ.alarms);
 export const LinkPage = lazy(READ.link);
 export const Palette = lazy(READ.palette);
 export const Tour = lazy(READ.tour);
+export const WallView = lazy(READ.wall);
+export const SignIn = lazy(READ.signIn);
+
+/** What draws figures for a paper, and makes files of them. */
+const readFigures = (): Promise<unknown> => Promise.all([import("../features/plots/figure-of"), import("../ui/export/figure-file")]);
 
 /** Milliseconds after which what may be needed is read, too: every page is there then, also when the service is not. */
 const AHEAD = 4000;
@@ -28,7 +35,7 @@ const AHEAD = 4000;
 export function readAhead(): () => void {
   const timer = setTimeout(() => {
     // Whoever opens what could not be read is told then.
-    for (const read of Object.values(READ)) read().catch(() => undefined);
+    for (const read of [...Object.values(READ), readFigures]) read().catch(() => undefined);
   }, AHEAD);
   return () => {
     clearTimeout(timer);

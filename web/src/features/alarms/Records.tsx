@@ -7,7 +7,7 @@ import type { AlarmRecord, ShiftEntry } from "../../api/types";
 import { useAction } from "../../api/use-action";
 import { hashOf } from "../../store/route";
 import { csvCell } from "../../ui/export/csv";
-import { saveFile } from "../../ui/export/figure-file";
+import { saveFile } from "../../ui/export/save-file";
 import { Panel } from "../../ui/Panel";
 import { useKeptJson } from "../../ui/use-kept-json";
 import { usePreferences } from "../../units/preferences";

@@ -2,7 +2,7 @@
 import { ActionIcon, TextInput } from "@mantine/core";
 import { useMemo, useRef, useState } from "react";
 import { Choice } from "../../ui/Choice";
-import { saveFile } from "../../ui/export/figure-file";
+import { saveFile } from "../../ui/export/save-file";
 import { Panel } from "../../ui/Panel";
 import type { MissionEvent } from "../../api/types";
 import { useStore, useView } from "../../store/context";

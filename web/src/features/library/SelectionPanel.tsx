@@ -5,7 +5,7 @@ import { useAction } from "../../api/use-action";
 import { deleteRun, listRuns, readRun, remarkRun } from "../../api/service";
 import type { RunSummary } from "../../api/types";
 import { ConfirmButton } from "../../ui/ConfirmButton";
-import { saveFile } from "../../ui/export/figure-file";
+import { saveFile } from "../../ui/export/save-file";
 import { Panel } from "../../ui/Panel";
 import { Popup } from "../../ui/Popup";
 import { useReasonByRole } from "../access/session";

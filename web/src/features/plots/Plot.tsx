@@ -10,8 +10,7 @@ import { clock, fixed, shown, type Shown } from "../../units/units";
 import { Chart, type ChartEvents } from "./chart";
 import { comparedAt, useComparison, type Compared } from "./compared";
 import type { Decorations } from "./decorations";
-import { figureTable, plotFigure } from "./figure";
-import { figureOf, type FigureSource } from "./figure-of";
+import type { FigureSource } from "./figure-of";
 import type { Placed } from "./prediction";
 import { unitOf, type Curve, type Known, type PlotDefinition } from "./plot-set";
 import { ExportMenu } from "../../ui/export/ExportMenu";
@@ -208,8 +207,8 @@ export function Plot({ definition, timed, events, source, register }: PlotProps)
           compact
           what={`the plot of ${definition.title.toLowerCase()}`}
           name={`${source.file}-${definition.id}`}
-          draw={() => plotFigure(figureOf(definition, scale, last.current, source))}
-          table={() => figureTable(figureOf(definition, scale, last.current, source))}
+          draw={async () => (await import("./figure-of")).markupOf(definition, scale, last.current, source)}
+          table={async () => (await import("./figure-of")).tableOf(definition, scale, last.current, source)}
         />
       </figcaption>
       <div ref={place} className={styles.chart} tabIndex={0} role="application" aria-label={`${definition.title}: arrows read, + and − zoom, Home shows the whole`} />

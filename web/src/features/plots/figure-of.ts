@@ -1,7 +1,7 @@
 /** What a plot shows now, as a figure: the same curves over the same stretch, in colours for white paper. */
 import type { Shown } from "../../units/units";
 import { comparedSlice } from "./compared";
-import { HANDS, type FigureBand, type FigureCurve, type PlotFigure } from "./figure";
+import { figureTable, HANDS, plotFigure, type FigureBand, type FigureCurve, type PlotFigure } from "./figure";
 import type { PlotFrame } from "./Plot";
 import type { Curve, PlotDefinition } from "./plot-set";
 import type { Placed } from "./prediction";
@@ -23,8 +23,15 @@ const colourOf = ({ token }: Curve): string => COLOURS[token] ?? "#1a1a1a";
 
 const WIDTHS = { own: 1.5, compared: 0.9 } as const;
 
-/** @throws Error if nothing has been drawn yet. */
-export function figureOf(definition: PlotDefinition, scale: Shown, frame: PlotFrame | null, source: FigureSource): PlotFigure {
+type Given = readonly [definition: PlotDefinition, scale: Shown, frame: PlotFrame | null, source: FigureSource];
+
+/** Markup of an `<svg>`. @throws Error if nothing has been drawn yet. */
+export const markupOf = (...given: Given): string => plotFigure(figureOf(...given));
+
+/** Its values with commas. @throws Error if nothing has been drawn yet. */
+export const tableOf = (...given: Given): string => figureTable(figureOf(...given));
+
+function figureOf(...[definition, scale, frame, source]: Given): PlotFigure {
   if (frame === null || frame.series.length === 0) throw new Error("There is nothing to export yet.");
   const { series, compared, predicted, range, decorations } = frame;
   const scaled = (values: Float64Array): Float64Array => values.map((value) => value * scale.factor);

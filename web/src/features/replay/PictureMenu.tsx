@@ -4,7 +4,7 @@ import { useRef, useState } from "react";
 import { SPEEDS, type Playback } from "../../source/playback";
 import type { Source } from "../../source/source";
 import { Choice } from "../../ui/Choice";
-import { saveFile } from "../../ui/export/figure-file";
+import { saveFile } from "../../ui/export/save-file";
 import { Popup } from "../../ui/Popup";
 import { useView } from "../../store/context";
 import { useKept } from "../../ui/use-kept";

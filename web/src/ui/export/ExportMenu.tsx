@@ -3,7 +3,8 @@ import { ActionIcon, Button, Menu } from "@mantine/core";
 import { useState } from "react";
 import { Icon } from "../theme/Icon";
 import { EscNote } from "../EscNote";
-import { FIGURE_FORMATS, saveFigure, saveFile, type FigureFormat } from "./figure-file";
+import { FIGURE_FORMATS, type FigureFormat } from "./formats";
+import { saveFile } from "./save-file";
 
 const WORDS: Readonly<Record<FigureFormat, string>> = {
   svg: "SVG, to edit",
@@ -17,16 +18,16 @@ interface ExportMenuProps {
   /** Of the file, without its ending. */
   readonly name: string;
   /** The figure as it is when it is asked for: markup of one `<svg>`. */
-  readonly draw: () => string;
+  readonly draw: () => string | Promise<string>;
   /** The same as a table with commas; without it there is none. */
-  readonly table?: () => string;
+  readonly table?: () => string | Promise<string>;
   /** An icon in place of the word, where room is short. */
   readonly compact?: boolean;
 }
 
 export function ExportMenu({ what, name, draw, table, compact = false }: ExportMenuProps) {
   const [trouble, setTrouble] = useState<string | null>(null);
-  const attempt = (work: () => Promise<void> | void): void => {
+  const attempt = (work: () => Promise<void>): void => {
     setTrouble(null);
     Promise.resolve()
       .then(work)
@@ -53,7 +54,10 @@ export function ExportMenu({ what, name, draw, table, compact = false }: ExportM
           <Menu.Item
             key={format}
             onClick={() => {
-              attempt(() => saveFigure(draw(), name, format));
+              attempt(async () => {
+                const { saveFigure } = await import("./figure-file"); // read when the first figure is wanted
+                await saveFigure(await draw(), name, format);
+              });
             }}
           >
             {WORDS[format]}
@@ -62,8 +66,8 @@ export function ExportMenu({ what, name, draw, table, compact = false }: ExportM
         {table !== undefined && (
           <Menu.Item
             onClick={() => {
-              attempt(() => {
-                saveFile(new Blob([table()], { type: "text/csv" }), `${name}.csv`);
+              attempt(async () => {
+                saveFile(new Blob([await table()], { type: "text/csv" }), `${name}.csv`);
               });
             }}
           >

@@ -5,8 +5,8 @@
  * every viewer has (`FIGURE_FONT`), sizes in its `width` and `height` attributes (CSS pixels).
  */
 
-export const FIGURE_FORMATS = ["svg", "png", "pdf"] as const;
-export type FigureFormat = (typeof FIGURE_FORMATS)[number];
+import type { FigureFormat } from "./formats";
+import { saveFile } from "./save-file";
 
 /** One of the fourteen fonts that every PDF reader has; elsewhere what looks like it. */
 export const FIGURE_FONT = "Helvetica, Arial, sans-serif";
@@ -35,19 +35,6 @@ function fileOf(markup: string, format: FigureFormat): Promise<Blob> {
   if (format === "png") return pngOf(markup);
   if (format === "pdf") return pdfOf(markup);
   return Promise.resolve(new Blob([`<?xml version="1.0" encoding="UTF-8"?>\n${markup}\n`], { type: "image/svg+xml" }));
-}
-
-/** Has the browser keep a file under that name. */
-export function saveFile(file: Blob, name: string): void {
-  const address = URL.createObjectURL(file);
-  const link = document.createElement("a");
-  link.href = address;
-  link.download = name;
-  link.click();
-  // Some browsers begin to read only after the click has returned.
-  setTimeout(() => {
-    URL.revokeObjectURL(address);
-  }, 10_000);
 }
 
 async function pngOf(markup: string): Promise<Blob> {
