@@ -120,6 +120,17 @@ class Prediction(FrozenMessage):
     clearance: float | None = Field(description="Least, of tips that should not touch [m]; null: none comes near")
 
 
+class PlannedTouch(FrozenMessage):
+    """Where both hands press on the target; places are from its middle, in its axes."""
+
+    left_side: tuple[Vector2, Vector2] = Field(description="Ends of the side that the left hand presses on [m]")
+    right_side: tuple[Vector2, Vector2] = Field(description="Of the right hand's, likewise")
+    left_point: Vector2 = Field(description="Where on it the left hand touches first [m]")
+    right_point: Vector2 = Field(description="Likewise, the right hand")
+    lever: float = Field(description="That the torque of both hands acts with: as planned, then as measured [m]")
+    arc_left: float = Field(description="Along which they may still press, turning with the target [rad]")
+
+
 class Plan(FrozenMessage):
     """The motion being followed: straight lines through these hand poses at these times."""
 
@@ -129,6 +140,7 @@ class Plan(FrozenMessage):
     right: list[Vector3] = Field(description="Right hand's poses; empty if it is idle")
     target_at_end: Vector3 = Field(description="Predicted target pose at the end of the plan [m, rad]")
     predicted: Prediction | None = Field(description="Null where the method does not roll its plans out")
+    touch: PlannedTouch | None = Field(description="Null where the plan is for no touch of both hands on two sides")
 
 
 class Condition(FrozenMessage):

@@ -17,6 +17,7 @@ LAYERS = (
     "target",
     "trails",
     "plan",
+    "reach",
     "ghost",
     "futures",
     "forces",
@@ -26,7 +27,7 @@ LAYERS = (
     "frames",
 )
 """What can be switched on and off, each by itself."""
-HIDDEN_AT_FIRST = frozenset({"frames"})
+HIDDEN_AT_FIRST = frozenset({"frames", "reach"})
 
 LENGTH_TOLERANCE = 5e-5
 """A move below this is not sent [m]: a twentieth of a pixel in the default view."""

@@ -18,7 +18,7 @@ from server.scene.target import ghost_parts, half_height, work_height
 from sim.capture.tick import ARMS as ARM_NAMES
 from sim.config import MissionConfig
 from sim.model.shape import Shape, outline
-from sim.model.target import target_shape
+from sim.model.target import seen_target_shape
 from sim.snapshot import Plan, Snapshot, Vector2, Vector3
 
 TracedPoints = tuple[Vector2, Vector2, Vector2]
@@ -26,6 +26,8 @@ TracedPoints = tuple[Vector2, Vector2, Vector2]
 TRAIL_POINTS, TRAIL_SPACING = 200, 0.006
 """A trail keeps its last 1.2 m, in steps of 6 mm."""
 TRAIL_HEIGHT = 0.003
+_SEEN_WAY = 0.004
+"""A shorter way of the target is not drawn [m]."""
 
 
 class TrailsDrawing:
@@ -88,7 +90,7 @@ class PlanDrawing:
     """The path of each hand with its knots and goal, and the target as predicted at its end."""
 
     def __init__(self, canvas: Canvas, config: MissionConfig) -> None:
-        shape, hand = target_shape(config.target), config.robot.arm.hand
+        shape, hand = seen_target_shape(config.target), config.robot.arm.hand
         self._canvas, self._height = canvas, work_height(shape)
         canvas.group("plan", "/plan")
         canvas.group("ghost", "/ghost")
@@ -99,15 +101,17 @@ class PlanDrawing:
         self._goals = [Moving(goal, self._height) for goal in goals]
         self._ghost = add_ghost(canvas, "/ghost/target", shape, TARGET)
         self._paths: list[list[viser.SceneNodeHandle]] = [[], []]
+        self._drift: viser.SceneNodeHandle | None = None
         self._plan: Plan | None = None
         self._draw(None)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draws the plan if it is another one."""
-        if snapshot.plan is self._plan or snapshot.plan == self._plan:
+        if _is_the_same(snapshot.plan, self._plan):
             return
         self._plan = snapshot.plan
         self._draw(snapshot.plan)
+        self._draw_drift(snapshot)
 
     def _draw(self, plan: Plan | None) -> None:
         self._draw_path(0, plan.left if plan else [])
@@ -116,6 +120,18 @@ class PlanDrawing:
         self._ghost.handle.visible = predicts
         if plan is not None and predicts:
             self._ghost.move(plan.target_at_end)
+
+    def _draw_drift(self, snapshot: Snapshot) -> None:
+        """The way of the target's middle to where it is predicted at the plan's end, if it is one to be seen."""
+        if self._drift is not None:
+            self._drift.remove()
+            self._drift = None
+        if snapshot.plan is None or snapshot.plan.kind == "release":
+            return
+        ends = np.array([snapshot.target.pose[:2], snapshot.plan.target_at_end[:2]])
+        if np.linalg.norm(ends[1] - ends[0]) > _SEEN_WAY:
+            dashes = dashed_line(raised(ends, self._height), 0.006, 0.005)
+            self._drift = self._canvas.scene.add_line_segments("/ghost/way", dashes, TARGET, thickness=0.002)
 
     def _draw_path(self, arm: int, knots: list[Vector3]) -> None:
         for node in self._paths[arm]:
@@ -133,3 +149,15 @@ class PlanDrawing:
         if len(dashes):
             line = self._canvas.scene.add_line_segments(f"{name}_path", dashes, ARMS[arm], thickness=0.003)
             self._paths[arm].append(line)
+
+
+def _is_the_same(plan: Plan | None, other: Plan | None) -> bool:
+    """Whether two plans are drawn alike: one whose touch goes on is."""
+    if plan is None or other is None:
+        return plan is other
+    return plan is other or (plan.kind, plan.times, plan.left, plan.right) == (
+        other.kind,
+        other.times,
+        other.left,
+        other.right,
+    )

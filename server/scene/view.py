@@ -19,8 +19,10 @@ from server.scene.canvas import HIDDEN_AT_FIRST, LAYERS, Canvas
 from server.scene.doorway import DoorwayServer, Picture
 from server.scene.dynamics import EllipsesDrawing, ForcesDrawing, MotionDrawing
 from server.scene.futures import FuturesDrawing
+from server.scene.reach import ReachDrawing
 from server.scene.solids import FloatArray
 from server.scene.stage import set_stage
+from server.scene.touches import TouchDrawing
 from server.scene.traces import PlanDrawing, TracedPoints, TrailsDrawing
 from sim.config import ArmConfig, BaseConfig, MissionConfig, TargetConfig
 from sim.rehearsal.summary import CaseResult
@@ -216,6 +218,8 @@ class Scene:
             RobotDrawing,
             TargetDrawing,
             PlanDrawing,
+            TouchDrawing,
+            ReachDrawing,
             ForcesDrawing,
             MotionDrawing,
             EllipsesDrawing,

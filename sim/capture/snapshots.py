@@ -22,9 +22,11 @@ from sim.snapshot import (
     BodyState,
     Outcome,
     Plan,
+    PlannedTouch,
     Prediction,
     Snapshot,
     TargetEstimate,
+    Vector2,
     Vector3,
 )
 
@@ -89,7 +91,27 @@ def _plan(memory: Record, method: Method, phase: Phase) -> Plan | None:
         right=poses[1],
         target_at_end=_vector(memory["predicted_target"]),
         predicted=_prediction(memory["prediction"]),
+        touch=_touch(memory["touch_plan"]),
     )
+
+
+def _touch(planned: Record) -> PlannedTouch | None:
+    if not planned["made"]:
+        return None
+    (left, right), (left_point, right_point) = planned["side"].tolist(), planned["point"].tolist()
+    return PlannedTouch(
+        left_side=(_point(left[0]), _point(left[1])),
+        right_side=(_point(right[0]), _point(right[1])),
+        left_point=_point(left_point),
+        right_point=_point(right_point),
+        lever=float(planned["lever"]),
+        arc_left=float(planned["arc_left"]),
+    )
+
+
+def _point(values: Sequence[float]) -> Vector2:
+    x, y = values
+    return x, y
 
 
 def _prediction(expected: Record) -> Prediction | None:

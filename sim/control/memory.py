@@ -29,6 +29,18 @@ PREDICTION = np.dtype(
 )
 """What a method expects of the plan under way."""
 
+TOUCH_PLAN = np.dtype(
+    [
+        ("made", np.int64),  # 0: the plan under way has none
+        ("side", np.float64, (2, 2, 2)),  # ends of the side that each hand presses on, from the target's middle [m]
+        ("point", np.float64, (2, 2)),  # where on it, as the touch begins, likewise, in the target's axes
+        ("lever", np.float64),  # that the torque of both hands acts with: planned, then as measured [m]
+        ("arc_left", np.float64),  # along which they may still press, turning with the target [rad]
+    ],
+    align=True,
+)
+"""The touch that a plan is for, where both hands press on the target's sides."""
+
 MEMORY = np.dtype(
     [
         ("phase", np.int64),
@@ -42,6 +54,7 @@ MEMORY = np.dtype(
         ("plan_arm", np.int64),  # -1: both
         ("predicted_target", np.float64, (3,)),  # at the end of the plan
         ("prediction", PREDICTION),
+        ("touch_plan", TOUCH_PLAN),
         ("tracking_integral", np.float64, (2, 3)),
         ("desired_hand_pose", np.float64, (2, 3)),
         ("desired_hand_twist", np.float64, (2, 3)),

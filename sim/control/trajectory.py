@@ -23,6 +23,7 @@ def start_plan(memory: Record, kind: int, arm: int, time: float, hand_pose: Floa
     memory.plan_arm = arm
     memory.plan_knots = 1
     memory.prediction.made = 0
+    memory.touch_plan.made = 0
     memory.plan_time[0] = time
     for side in range(2):
         memory.plan_pose[side, 0, :] = hand_pose[side]

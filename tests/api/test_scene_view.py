@@ -104,7 +104,7 @@ def test_only_another_geometry_is_drawn_again(scene):
 
 
 def test_layers_are_switched_by_name(scene):
-    assert scene.layers == {layer: layer != "frames" for layer in LAYERS}
+    assert scene.layers == {layer: layer not in ("frames", "reach") for layer in LAYERS}
     with joined(scene.start()) as browser:
         drained(browser, more_than=WHOLE_SCENE)
         scene.set_layers({"trails": False, "frames": True})

@@ -34,6 +34,7 @@ def plan(kind="touch", arm="right", until=3.0) -> Plan:
         right=poses if arm in ("right", "both") else [],
         target_at_end=POSE,
         predicted=None,
+        touch=None,
     )
 
 

@@ -103,6 +103,8 @@ def follow_faces(
     _note_contacts(own, state)
     _measure_lever(handle, parameters, state, hand_pose)
     share_forces(own, memory, touch, state, parameters.perception.assumed_mass)
+    memory.touch_plan.lever = own.lever
+    memory.touch_plan.arc_left = max(0.0, own.sense * (own.best.end_angle - side_normal(own, state, 1)))
     for arm in range(2):
         _follow_face(handle, memory, parameters, state, hand_pose, arm, velocity)
 

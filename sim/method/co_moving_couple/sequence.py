@@ -10,7 +10,7 @@ from sim.control.memory import KNOTS, NEVER
 from sim.control.phases import Phase, Verdict, phase_after
 from sim.control.trajectory import BOTH_ARMS, plan_opening, start_plan
 from sim.method.co_moving_couple.following import begin_search, cage, detumble, fail, into, release, search, trouble_now
-from sim.method.co_moving_couple.geometry import to_target
+from sim.method.co_moving_couple.geometry import tip_on_face, to_target
 from sim.method.co_moving_couple.laws import follow_faces, note_yielding
 from sim.method.co_moving_couple.memory import Activity, CoupleHandle, Dropped, PlanKind, Trouble
 from sim.method.co_moving_couple.planner import (
@@ -100,6 +100,7 @@ def plan(
     if kind == PlanKind.TOUCH:
         roll_out_touch(handle, parameters, state, hand_pose, chosen, math.inf)
         own.lever = chosen.lever_start + friction_lever(handle, parameters.co_moving_couple.touch, chosen.side)
+        _show_touch(handle, memory, chosen)
     else:
         roll_out_closing(handle, parameters, state, hand_pose, chosen, math.inf)
     _show(handle, memory, parameters, chosen, state)
@@ -120,6 +121,22 @@ def _show(handle: CoupleHandle, memory: Record, parameters: Record, plan: Record
     method = parameters.co_moving_couple
     times = touch_times(plan, method, state) if memory.plan_kind == PlanKind.TOUCH else closing_times(plan, method)
     target_at(plan, state, times, times.end, memory.predicted_target)
+
+
+@compiled
+def _show_touch(handle: CoupleHandle, memory: Record, chosen: Record) -> None:
+    """The sides that both hands will press on, and where, for everybody to see."""
+    own, touch, shape = handle.own[0], memory.touch_plan, handle.fixed[0].shape
+    opposite = (chosen.side + shape.corners // 2) % shape.corners
+    for arm in range(2):
+        side = chosen.side if arm == 1 else opposite
+        normal = math.atan2(shape.normals[side, 1], shape.normals[side, 0])
+        reach = shape.offsets[side] + shape.rounding
+        touch.side[arm, 0, :] = shape.vertices[side]
+        touch.side[arm, 1, :] = shape.vertices[(side + 1) % shape.corners]
+        touch.point[arm, 0], touch.point[arm, 1] = tip_on_face(reach, chosen.lever_start, own.sense, normal, 0.0, 0.0)
+    touch.made, touch.lever = 1, own.lever
+    touch.arc_left = own.sense * (chosen.end_angle - chosen.contact_angle)
 
 
 @compiled

@@ -23,7 +23,7 @@ def _motion(row: Any, plan: Plan | None, touches: Sequence[Touch]) -> str:
         Activity.ESTIMATING: "Base and target are watched, and ways to touch or to close are rolled out.",
         Activity.APPROACHING: f"Both hands go to where they wait for two opposite sides{planned}.",
         Activity.ENTERING: f"Both hands come in with the sides and take up their motion{planned}.",
-        Activity.TOUCHING: f"Both hands brake the target, moving with it: {forces}; spin {spin:.2f} rad/s.",
+        Activity.TOUCHING: f"Both hands brake the target, moving with it: {forces}{_arc(plan)}; spin {spin:.2f} rad/s.",
         Activity.RETREATING: "Both hands lift off, turning with the target.",
         Activity.REGRASPING: f"Both hands go to opposite corners{planned}.",
         Activity.CLOSING: f"Both hands close, turning with the target, {forces}.",
@@ -41,6 +41,14 @@ def _forces(row: Any) -> str:
     felt = [math.hypot(wrench[0], wrench[1]) for wrench in row["perceived_hand_wrench"].tolist()]
     left, right = (f"{force:.2f} of {wanted:.2f} N" for force, wanted in zip(felt, row["wanted_force"], strict=True))
     return f"left {left}, right {right}"
+
+
+def _arc(plan: Plan | None) -> str:
+    """With what lever they press and how far yet, to stand in a sentence."""
+    touch = None if plan is None else plan.touch
+    if touch is None:
+        return ""
+    return f", lever {1e3 * touch.lever:.0f} mm, {math.degrees(touch.arc_left):.0f} degrees of arc left"
 
 
 def _planned(row: Any, plan: Plan | None) -> str:

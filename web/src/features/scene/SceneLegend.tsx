@@ -11,6 +11,8 @@ const MARKS: readonly (readonly [sign: string, name: string, words: string])[] =
   ["ellipse", "Ellipse at a wrist", "the speeds its arm can give the hand; flat: near a singularity"],
   ["ghost", "Dashed box", "where the target is expected when the plan ends"],
   ["goal", "Dashed line with a pale hand", "the planned path of a hand, and where it ends"],
+  ["touch", "Bright side with a dot", "the side of the target that a hand will press on, and where first"],
+  ["reach", "Dashed arc about a shoulder", "how far its wrist reaches; layer reach"],
   ["future", "Violet lines and hands", "the most likely future of a rehearsal, and where it ends"],
   ["worst", "Red lines", "its worst future; faint lines are others"],
   ["trail", "Lines on the table", "where the target and the hands have been"],
