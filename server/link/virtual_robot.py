@@ -56,6 +56,10 @@ class VirtualRobot:
         self._write()
 
     @property
+    def copyable(self) -> None:
+        """Nor does an emulated one."""
+
+    @property
     def next_tick(self) -> int:
         """The tick after the last one, which has been observed and answered already."""
         return int(self.state["tick"]) + 1

@@ -111,6 +111,10 @@ class ZenohPlant:
         return self._perceived
 
     @property
+    def copyable(self) -> None:
+        """A robot does not return to where it stood."""
+
+    @property
     def next_tick(self) -> int:
         """The tick after the last one, which has been observed and answered already."""
         return int(self._state["tick"]) + 1

@@ -1,7 +1,8 @@
 """A mission flown again to a moment of its past, from where it can go on on a way of its own.
 
-To fly again is exact, and takes a second for a minute or so of mission time: it is done by the thread that asks,
-so that the mission thread goes on flying, and stops when asked to.
+To fly again is exact: from a saved state of the same mission, where its plant can be copied, else from its start, which
+takes a second for a minute or so of mission time. It is done by the thread that asks, so that the mission thread goes
+on flying, and stops when asked to.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ from dataclasses import dataclass, field
 from server.errors import ServiceBusy
 from server.library.record import LoggedEvent
 from server.mission.history import HistoryRing
+from sim.capture.events import Ticks
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, flown_to
+from sim.capture.saved_states import SavedStates
 from sim.errors import MissionRefused
 
 LONGEST_PAST = 3600.0
@@ -34,6 +37,10 @@ class ForkParent:
     history: FlightHistory
     ticks: int
     """Flown until now; they may be forked at."""
+    states: SavedStates = field(default_factory=SavedStates)
+    """Where it was, now and then; none of a flight whose plant cannot be copied."""
+    shown: HistoryRing = field(default_factory=HistoryRing)
+    """Its ticks, as those who watch know them."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ class Fork:
 
 
 def forked(parent: ForkParent, tick: int) -> Fork:
-    """Fly a flight again up to that tick, from tick 0.
+    """Fly a flight again up to that tick, from the last saved state that leaves no gap in what was shown of it.
 
     Raises:
         MissionRefused: it has no such tick, or it is too long since its start.
@@ -63,15 +70,20 @@ def forked(parent: ForkParent, tick: int) -> Fork:
     if tick > parent.ticks:
         what = f"tick = {tick}: run {parent.run_id} has flown {parent.ticks} ticks"
         raise MissionRefused(what, tip="fork it at one of them")
-    history = parent.history.before(tick)
-    time = tick * history.config.control.period
+    history, past = parent.history.before(tick), parent.shown.before(parent.run_id, tick)
+    shown = past.end
+    start = parent.states.before(shown + 1)
+    time = (tick - (0 if start is None else start.tick)) * history.config.control.period
     if time > LONGEST_PAST:
         what = f"tick = {tick} is {time:.0f} s after the start, which would have to be flown again"
         raise MissionRefused(what, tip=f"fork within the first {LONGEST_PAST:.0f} s; reset before a long capture")
     if not _flying_again.acquire(blocking=False):
         raise ServiceBusy("another fork is being flown to its tick", tip="try again when that has begun")
     try:
-        past = HistoryRing()
-        return Fork(parent, tick, history, flown_to(history, tick, past.keep), past)
+
+        def keep(ticks: Ticks) -> None:
+            past.keep(ticks[ticks["tick"] > shown])
+
+        return Fork(parent, tick, history, flown_to(history, tick, keep, start), past)
     finally:
         _flying_again.release()

@@ -89,6 +89,22 @@ class HistoryRing:
             finally:
                 self._lock.release()
 
+    def before(self, run_id: str, tick: int) -> HistoryRing:
+        """A copy of all pieces that end before that tick, if they are that run's; else nothing. For any thread."""
+        past = HistoryRing()
+        with self._lock:
+            self._take_in()
+            block = self._block
+            if block.run_id == run_id:
+                count = int((block.high[: block.count, TICK_PLACE] < tick).sum())
+                past._stride, past._block = self._stride, _Block(run_id, block.low[:count], block.high[:count])
+        return past
+
+    @property
+    def end(self) -> int:
+        """The last tick of its whole pieces; -1 of none."""
+        return int(self._block.high[self._block.count - 1, TICK_PLACE]) if self._block.count else -1
+
     def encoded(self, since: int = -1) -> str:
         """The members of `History` as JSON, of the pieces with ticks after `since`; for any thread."""
         with self._lock:

@@ -21,6 +21,7 @@ from server.mission.problems import ProblemBoard, problem_of
 from sim.capture.events import Event
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Intervention
+from sim.capture.saved_states import SavedStates
 from sim.capture.snapshots import Flown, snapshot_of
 from sim.config import MissionConfig, differences, is_live
 from sim.control.phases import AT_REST, Command, Phase, allowed_commands, next_phase
@@ -98,6 +99,7 @@ class LiveMission:
         self._initial = config if fork is None else fork.history.config
         self._interventions = [] if fork is None else list(fork.history.interventions)
         self.configuration = configuration
+        self.states = SavedStates() if fork is None else fork.parent.states.until(fork.tick)
         self.problems = ProblemBoard()
         self.run = LiveRun(recorder, self._name, config, fork, robot=robot is not None)
 
@@ -239,6 +241,7 @@ class LiveMission:
             self._activity = int(rows["activity"][-1])
             self.run.keep(rows)
             self._keep(rows)
+            self.states.keep(self._mission)
         if self._mission.phase is Phase.FAULTED:
             self.fail(self._mission.fault or PlantError("the plant can no longer be trusted"))
             return len(rows)

@@ -146,7 +146,9 @@ class MissionLoop:
         flying = self._mission
         if flying is None:
             raise self.not_ready()
-        return ForkParent(flying.run.id, flying.configuration, flying.history, flying.tick + 1)
+        return ForkParent(
+            flying.run.id, flying.configuration, flying.history, flying.tick + 1, flying.states, self._feed.history
+        )
 
     def situation(self) -> RunState:
         """What is known of the state that the mission is in now, and its run; for any thread but its own.

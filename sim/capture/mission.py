@@ -33,7 +33,7 @@ from sim.model.clearance import shapes_of
 from sim.model.robot import robot_model
 from sim.perception.perceived import PERCEIVED
 from sim.plant.engine import simulated_plant
-from sim.plant.plant import Plant, copy_state, diverged_at
+from sim.plant.plant import Plant, SavedState, copy_state, diverged_at
 from sim.record import Record, packed, record_of
 from sim.snapshot import Outcome, Snapshot
 
@@ -84,6 +84,18 @@ class Mark(NamedTuple):
     own: np.ndarray[Any, np.dtype[Any]]
     state: Record
     happened: Happened
+
+
+class SavedMission(NamedTuple):
+    """Where a mission was, and its plant: from there it flies the same ticks again, bit for bit."""
+
+    mark: Mark
+    plant: SavedState
+
+    @property
+    def tick(self) -> int:
+        """The one that is flown next; what was granted or changed at it is not in it."""
+        return int(self.plant.state["tick"])
 
 
 class Mission:
@@ -299,6 +311,24 @@ class Mission:
         self._flight[:], self._own[:] = mark.flight, mark.own
         copy_state(self._plant.state, mark.state)
         self._chronicle.go_back(mark.happened)
+
+    def save(self) -> SavedMission | None:
+        """All that the ticks to come follow from, but for what is granted or changed; None if it cannot be copied."""
+        plant = self._plant.copyable
+        return None if plant is None or self._fault is not None else SavedMission(self.mark(), plant.save())
+
+    def restore(self, saved: SavedMission) -> None:
+        """Stand where another mission that began as this one has stood.
+
+        Raises:
+            PlantError: this mission's plant cannot return to where it stood.
+
+        """
+        plant = self._plant.copyable
+        if plant is None:
+            raise PlantError("the plant cannot return to where it stood", tip="fly it again from the start")
+        self.go_back(saved.mark)
+        plant.restore(saved.plant)
 
     def take_over(self, mark: Mark) -> None:
         """Go on with what another mission remembered at that mark: sequence, beliefs, what was noted of the capture.

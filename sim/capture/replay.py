@@ -14,7 +14,7 @@ from pydantic import ConfigDict, Field
 
 from sim.capture.beginning import Beginning
 from sim.capture.events import Ticks
-from sim.capture.mission import Mission
+from sim.capture.mission import Mission, SavedMission
 from sim.capture.tick import COLUMNS, TICK, column_values
 from sim.config import MissionConfig
 from sim.configurations import nested, revised
@@ -70,10 +70,19 @@ class Difference(NamedTuple):
     now: float
 
 
-def flown_to(history: FlightHistory, tick: int, on_ticks: Callable[[Ticks], None] = lambda _: None) -> Mission:
+def flown_to(
+    history: FlightHistory,
+    tick: int,
+    on_ticks: Callable[[Ticks], None] = lambda _: None,
+    start: SavedMission | None = None,
+) -> Mission:
     """The mission with that tick next, as it was before anything was granted or changed at it.
 
-    `on_ticks` is called with the ticks before it, arrays of `TICK`, as they are flown.
+    Args:
+        history: what its ticks follow from.
+        tick: the one that is to be flown next.
+        on_ticks: called with the ticks before it, arrays of `TICK`, as they are flown.
+        start: where it was at an earlier tick, to fly from there; without it, it is flown from its beginning.
 
     Raises:
         ConfigError: the target overlaps the robot at the start.
@@ -81,7 +90,7 @@ def flown_to(history: FlightHistory, tick: int, on_ticks: Callable[[Ticks], None
         PlantDiverged: the plant failed before that tick.
 
     """
-    flight = _Rerun(history)
+    flight = _Rerun(history, start)
     for rows in flight.ticks_before(tick):
         flight.mission.take_events()
         on_ticks(rows)
@@ -201,7 +210,7 @@ class Follower:
 class _Rerun:
     """A mission being flown again through its history."""
 
-    def __init__(self, history: FlightHistory) -> None:
+    def __init__(self, history: FlightHistory, start: SavedMission | None = None) -> None:
         if history.robot:
             raise MissionRefused(
                 "a robot was flown: what moved it is not known, so that it cannot be flown again",
@@ -209,6 +218,9 @@ class _Rerun:
             )
         self.mission = history.begun()
         self._left = list(history.interventions)
+        if start is not None:
+            self.mission.restore(start)
+            self._left = [each for each in self._left if each.tick >= start.tick]
 
     def ticks_before(self, end: int) -> Iterator[Ticks]:
         """Fly up to `end`; interventions at `end` are not applied."""

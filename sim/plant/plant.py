@@ -60,6 +60,32 @@ PlantHandle = Any
 """What compiled code steps a plant by: a named tuple of a class of the plant's own."""
 
 
+class SavedState(NamedTuple):
+    """Where a plant stood."""
+
+    own: np.ndarray[Any, np.dtype[Any]]
+    """What its next step follows from: an array of one element of a type of the plant's own."""
+    state: Record
+    """One element of `PLANT_STATE`."""
+
+
+class CopyablePlant(Protocol):
+    """A plant that can return to where it stood."""
+
+    def save(self) -> SavedState:
+        """A copy of where the plant stands."""
+        ...
+
+    def restore(self, saved: SavedState) -> None:
+        """Return to where the plant stood: from there the same commanded rates give the same states, bit for bit.
+
+        Args:
+            saved: of a plant of the same configuration.
+
+        """
+        ...
+
+
 class Plant(Protocol):
     """Anything that can be flown, tick by tick: observe, decide, apply joint rates."""
 
@@ -81,6 +107,11 @@ class Plant(Protocol):
     @property
     def handle(self) -> PlantHandle | None:
         """What compiled code steps the plant by; None for a plant that keeps its own time."""
+        ...
+
+    @property
+    def copyable(self) -> CopyablePlant | None:
+        """The plant itself, if it can return to where it stood; else None."""
         ...
 
     def observe(self) -> None:

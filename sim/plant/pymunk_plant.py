@@ -102,6 +102,7 @@ class PymunkPlant:
     """The simulated robot and target. Owned by one thread: pymunk's objects are not safe for two."""
 
     perceived = None
+    copyable = None
 
     def __init__(self, config: MissionConfig) -> None:
         """Robot and target as configured."""

@@ -29,7 +29,16 @@ from sim.model.robot import JOINTS, LINKS, RobotModel, base_shape, initial_joint
 from sim.model.shape import Shape, surface
 from sim.model.target import TargetModel, target_model
 from sim.plant.contact import contact_force, tip_contact
-from sim.plant.plant import PLANT_STATE, AirTable, advance_plant, air_table, copy_state, diverged_at, register_kernel
+from sim.plant.plant import (
+    PLANT_STATE,
+    AirTable,
+    SavedState,
+    advance_plant,
+    air_table,
+    copy_state,
+    diverged_at,
+    register_kernel,
+)
 from sim.plant.solid_contact import Solids, depth_in_capsule_side, solids
 from sim.record import Record, copy_vector, packed, record_of
 
@@ -62,15 +71,6 @@ REDUCED_STATE = np.dtype(
     align=True,
 )
 """All that the next step depends on, but for the commanded rates; world axes, SI. A copy of it copies the plant."""
-
-
-class SavedState(NamedTuple):
-    """Where a plant stood; `ReducedPlant.restore` returns to it."""
-
-    own: StateArray
-    """One element of `REDUCED_STATE`."""
-    state: StateArray
-    """One element of `PLANT_STATE`."""
 
 
 class Servo(NamedTuple):
@@ -188,6 +188,11 @@ class ReducedPlant:
         """
         if not advance_plant(self.handle, self.parameters, joint_rate, self.state):
             raise PlantDiverged(diverged_at(float(self.state["time"])))
+
+    @property
+    def copyable(self) -> Self:
+        """The plant itself: `REDUCED_STATE` is all that the next step follows from."""
+        return self
 
     def save(self) -> SavedState:
         """A copy of where the plant stands."""

@@ -20,6 +20,7 @@ class ScriptedPlant:
 
     handle = None
     perceived = None
+    copyable = None
 
     def __init__(self, states: np.ndarray[Any, np.dtype[Any]]) -> None:
         """Start before the first of the states, a non-empty array of `PLANT_STATE`.

@@ -12,14 +12,18 @@ from becalm.replaying import replay
 from server.api import mission as api
 from server.mission import fork
 from sim.capture.replay import flown_to
+from sim.configurations import named_configuration, revised
 
 FORK = 3600
 """In the middle of the first touch of `published`, which lasts from 3.456 s to 4.116 s after the command."""
 
 
-async def _flown(console) -> str:
+async def _flown(console, engine="pymunk") -> str:
     """A capture to its verdict; the run's identifier."""
-    await console.granted("reset", configuration="published")
+    changes = {"simulation": {"engine": engine}}
+    config = revised(named_configuration("published"), changes)
+    await asyncio.to_thread(console.services.loop._opener.prepare, config)
+    await console.granted("reset", configuration="published", changes=changes)
     await console.granted("run", speed=0)
     await console.granted("capture")
     await console.until(lambda snapshot: snapshot.outcome is not None)
@@ -41,12 +45,25 @@ def _ticks(console, run_id: str, first: int) -> np.ndarray:
     return rows[rows["tick"] >= first]
 
 
-async def test_an_unchanged_fork_is_its_parent_bit_for_bit_and_replays(console):
-    parent = await _flown(console)
+@pytest.mark.parametrize("engine", ["pymunk", "reduced"])
+async def test_an_unchanged_fork_is_its_parent_bit_for_bit_and_replays(console, engine, monkeypatch):
+    began = []
+
+    def watched(history, tick, on_ticks, start):
+        began.append(0 if start is None else start.tick)
+        return flown_to(history, tick, on_ticks, start)
+
+    monkeypatch.setattr(fork, "flown_to", watched)
+    parent = await _flown(console, engine)
     answer = await console.granted("fork", tick=FORK)
     assert "paused" in answer["message"]
     now = await console.snapshot()
     assert (now["tick"], now["plant"]["running"]) == (FORK - 1, False)
+    assert (began[0] > FORK - 1100) == (engine == "reduced")  # a saved state is never farther than that
+    history = (await console.http.get("/mission/history")).json()
+    ticks = [row[[column["name"] for column in history["columns"]].index("mission.tick")] for row in history["rows"]]
+    assert max(np.diff(ticks)) < 100  # no gap between what was shown of the parent and what was flown again
+    assert ticks[-1] < FORK
     flown = await _to_the_verdict(console)
     record = (await console.http.get(f"/runs/{flown}")).json()
     assert (record["kind"], record["parent"], record["forked_at"]) == ("fork", parent, FORK)

@@ -131,6 +131,7 @@ class GlidingPlant:
     """See `sim.plant.plant.Plant`."""
 
     perceived = None
+    copyable = None
 
     def __init__(self, config: MissionConfig) -> None:
         target = config.target
