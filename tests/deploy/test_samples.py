@@ -30,6 +30,14 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 PATIENCE = 600.0
 
+RUN_BY_THE_CLIENTS_TESTS = {
+    ("README.md", "From a script"),
+    ("docs/api.md", "From Python"),
+    ("docs/rehearsal.md", "From a script"),
+    ("docs/rehearsal.md", "Atlas"),
+}
+"""Page and heading of the samples that tests/api/test_client.py runs, and looks at what they print."""
+
 _SAMPLE = re.compile(r"^(?:<!-- (?P<mark>[^\n]*) -->\n)?```(?P<language>sh|python)\n(?P<text>.*?)^```$", re.M | re.S)
 _FILE = re.compile(r"^```toml\n# (?P<name>\S+\.toml)\n(?P<text>.*?)^```$", re.M | re.S)
 _RUN_ID = re.compile(r"\d{8}T\d{9}-[0-9a-f]{6}")
@@ -50,6 +58,12 @@ class Sample(NamedTuple):
     mark: str
     refusals: set[str]
     """The statuses of refusals that the page shows right after it."""
+    under: tuple[str, str]
+    """Page and last heading before it."""
+
+    @property
+    def is_run_elsewhere(self) -> bool:
+        return self.language == "python" and self.under in RUN_BY_THE_CLIENTS_TESTS
 
 
 def _samples() -> list[Sample]:
@@ -59,9 +73,11 @@ def _samples() -> list[Sample]:
         for block in _SAMPLE.finditer(text):
             line = text[: block.start("text")].count("\n")
             shown = text[block.end() :].split("```sh")[0][:400]
-            where = f"{page.relative_to(ROOT)}:{line}"
+            name = str(page.relative_to(ROOT))
+            heading = re.findall(r"^## (.*)$", text[: block.start("text")], re.M)[-1:]
+            refusals, under = {*_REFUSED.findall(shown)}, (name, "".join(heading))
             found.append(
-                Sample(where, block["language"], block["text"], block["mark"] or "", {*_REFUSED.findall(shown)})
+                Sample(f"{name}:{line}", block["language"], block["text"], block["mark"] or "", refusals, under)
             )
     return found
 
@@ -151,7 +167,10 @@ def _wait(fits) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize("sample", SAMPLES, ids=[sample.where for sample in SAMPLES])
+RUN_HERE = [sample for sample in SAMPLES if not sample.is_run_elsewhere]
+
+
+@pytest.mark.parametrize("sample", RUN_HERE, ids=[sample.where for sample in RUN_HERE])
 def test_sample(sample, bench):
     bench.reset_if_stopped()
     if sample.mark.startswith("not run: "):
@@ -184,6 +203,10 @@ def _first_line(command: list[str], folder: Path, environment: dict[str, str]) -
         finally:
             hang.cancel()
             process.kill()
+
+
+def test_what_the_clients_tests_run_is_there():
+    assert {sample.under for sample in SAMPLES if sample.is_run_elsewhere} == RUN_BY_THE_CLIENTS_TESTS
 
 
 def test_marks_are_known_and_say_why():
