@@ -236,6 +236,8 @@ def _events_before(services: Services, run_id: str, tick: int) -> tuple[LoggedEv
 
 def _kept_flight(services: Services, run_id: str) -> ForkParent:
     reader = services.store.read(run_id)
+    if (ended := services.loop.ended_flights.find(run_id)) is not None:
+        return ended
     if reader.record.versions != versions():
         what = f"run {run_id} was flown by {reader.record.versions}, this is {versions()}"
         raise MissionRefused(what, tip="fly it again with these versions, then fork that run")

@@ -8,7 +8,7 @@ on flying, and stops when asked to.
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from server.errors import ServiceBusy
 from server.library.record import LoggedEvent
@@ -22,6 +22,8 @@ from sim.errors import MissionRefused
 LONGEST_PAST = 3600.0
 """Mission time that is flown again at most [s]."""
 
+MOST_ENDED = 4
+"""Flights that have ended whose states are kept; up to 7 MB each."""
 
 _flying_again = threading.Lock()
 """One at a time: each takes Python from the mission thread for some milliseconds, again and again."""
@@ -57,6 +59,26 @@ class Fork:
     """Those ticks, for who watches."""
     events: tuple[LoggedEvent, ...] = ()
     """What the parent's log says of them, but for what they follow from, which is in the history."""
+
+
+class EndedFlights:
+    """The last flights of this service that have ended and have saved states, so that they are forked as the live one.
+
+    `remember` is the mission thread's, `find` anyone's.
+    """
+
+    def __init__(self) -> None:
+        self._flights: tuple[ForkParent, ...] = ()
+
+    def remember(self, flight: ForkParent) -> None:
+        """Keep a flight that ends now, with what was shown of it; the oldest is let go of."""
+        if flight.states:
+            kept = replace(flight, shown=flight.shown.before(flight.run_id, flight.ticks))
+            self._flights = (*self._flights, kept)[-MOST_ENDED:]  # replaced, never changed: others read it
+
+    def find(self, run_id: str) -> ForkParent | None:
+        """The flight of that run; None if it is not kept here."""
+        return next((each for each in self._flights if each.run_id == run_id), None)
 
 
 def forked(parent: ForkParent, tick: int) -> Fork:

@@ -19,7 +19,7 @@ from server.mission.clock import MissionClock
 from server.mission.commands import Commands, arming_context
 from server.mission.control import ControlDesk
 from server.mission.feed import Feed
-from server.mission.fork import ForkParent
+from server.mission.fork import EndedFlights, ForkParent
 from server.mission.inbox import Answer, Granted, Inbox, Request
 from server.mission.live_mission import LiveMission
 from server.mission.live_run import CUT_OFF_NOTE
@@ -64,6 +64,7 @@ class MissionLoop:
         self._flown_at: float | None = None
         self.failure: str | None = None
         self.desk = ControlDesk()
+        self.ended_flights = EndedFlights()
         self._armed = ArmedOrder()
         self._clock = MissionClock(config.control.period, self._replies, real_time=link is not None)
         self._waking = Waking(self._inbox.wake, self.pace, feed, robot=link is not None)
@@ -223,6 +224,8 @@ class MissionLoop:
 
     def _begin(self, following: LiveMission) -> None:
         """Fly this mission from now on."""
+        if self._mission is not None:
+            self.ended_flights.remember(self.flight)
         self._mission = following
         following.begin()
         now = time.monotonic()

@@ -19,6 +19,10 @@ class SavedStates:
         self._spacing = FIRST_SPACING
         self._due = 0
 
+    def __bool__(self) -> bool:
+        """Whether there is any."""
+        return bool(self._states)
+
     def keep(self, mission: Mission) -> None:
         """Keep where the mission is, if that is far enough from the last state, and nothing was granted since its tick.
 

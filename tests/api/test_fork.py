@@ -74,6 +74,12 @@ async def test_an_unchanged_fork_is_its_parent_bit_for_bit_and_replays(console, 
     assert ours[:until].tobytes() == theirs[:until].tobytes()
     report = replay(console.services.store.read(flown))
     assert report["rerun"]["same"]
+    await console.granted("fork", run=parent, tick=FORK + 100)  # the parent is no longer the live mission
+    assert (began[1] > FORK - 1000) == (engine == "reduced")
+    again = await _to_the_verdict(console)
+    ours = _ticks(console, again, FORK + 100)
+    until = min(len(ours), len(theirs) - 100)
+    assert ours[:until].tobytes() == theirs[100 : 100 + until].tobytes()
 
 
 async def test_a_fork_of_a_library_run_goes_its_own_way(console):
