@@ -71,6 +71,7 @@ def test_no_change_of_the_sources_sends_the_dependencies_again():
 def test_every_file_that_is_copied_reaches_the_builder():
     let_in = [line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")]
     copied = [word for line in re.findall(r"^COPY (?!--from)(.*) \S+$", DOCKERFILE, re.M) for word in line.split()]
+    assert copied
     for path in copied:
         assert (ROOT / path).exists()
         assert any(path == each or path.startswith(each + "/") for each in let_in)

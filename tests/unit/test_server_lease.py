@@ -34,7 +34,8 @@ def _soon(monkeypatch):
 
 @pytest.mark.parametrize("takes", [True, False])
 async def test_a_socket_ends_with_its_token(takes):
-    ended = asyncio.Event()
+    ended, looked_at = asyncio.Event(), asyncio.Event()
+    looks: list[bool] = []
 
     async def app(_scope, receive, _send):
         try:
@@ -42,11 +43,15 @@ async def test_a_socket_ends_with_its_token(takes):
         finally:
             ended.set()
 
+    def holds() -> bool:
+        looks.append(connection.holds)
+        if len(looks) == 3:
+            looked_at.set()
+        return connection.holds
+
     connection = Connection(takes=takes)
-    serving = asyncio.create_task(
-        lease.run_socket(app, {}, connection.receive, connection.send, lambda: connection.holds)
-    )
-    await asyncio.sleep(0.05)
+    serving = asyncio.create_task(lease.run_socket(app, {}, connection.receive, connection.send, holds))
+    await asyncio.wait_for(looked_at.wait(), 60)
     assert not ended.is_set()
     connection.holds = False
     await asyncio.wait_for(serving, 60)
@@ -63,16 +68,17 @@ async def test_a_socket_that_fails_says_so_and_one_that_is_cancelled_ends():
     connection = Connection()
     with pytest.raises(ZeroDivisionError):
         await lease.run_socket(failing, {}, connection.receive, connection.send, lambda: True)
-    ended = asyncio.Event()
+    begun, ended = asyncio.Event(), asyncio.Event()
 
     async def waiting(_scope, receive, _send):
+        begun.set()
         try:
             await receive()
         finally:
             ended.set()
 
     serving = asyncio.create_task(lease.run_socket(waiting, {}, connection.receive, connection.send, lambda: True))
-    await asyncio.sleep(0.03)
+    await asyncio.wait_for(begun.wait(), 60)
     serving.cancel()
     await asyncio.gather(serving, return_exceptions=True)
     assert ended.is_set()
