@@ -71,8 +71,8 @@ class EndedFlights:
         self._flights: tuple[ForkParent, ...] = ()
 
     def remember(self, flight: ForkParent) -> None:
-        """Keep a flight that ends now, with what was shown of it; the oldest is let go of."""
-        if flight.states:
+        """Keep a flight that ends now, unless it only idled, with what was shown of it; the oldest is let go of."""
+        if flight.states and flight.history.interventions:
             kept = replace(flight, shown=flight.shown.before(flight.run_id, flight.ticks))
             self._flights = (*self._flights, kept)[-MOST_ENDED:]  # replaced, never changed: others read it
 

@@ -111,3 +111,17 @@ def test_a_fork_has_its_parents_past_and_begin_forgets():
     fork.begin("20200101T000000000-abcdef")
     fork.keep(_ticks(0, FIRST_STRIDE + 1))
     assert len(_read(fork)["rows"]) == 2
+
+
+def test_what_was_before_a_tick_goes_on_as_if_the_rest_had_not_been():
+    history, past = HistoryRing(), HistoryRing()
+    history.begin("one")
+    past.keep(_ticks(0, 3000))
+    for first in range(0, 5000, 100):
+        history.keep(_ticks(first, 100))
+    before = history.before("one", 3000)
+    assert 3000 - 2 * FIRST_STRIDE < before.end < 3000
+    assert history.before("another", 3000).end == -1
+    before.keep(_ticks(before.end + 1, 3000 - before.end - 1))
+    assert _read(before)["rows"] == _read(past)["rows"]
+    assert _column(history, "mission.tick")[-1] > 4900  # it goes on as it was
