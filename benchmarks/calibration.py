@@ -83,7 +83,8 @@ def truth(config: MissionConfig, model: UncertaintyModel, stream: np.random.Gene
         math.exp(each * stream.standard_normal()) for each in (model.contact_stiffness, model.servo_time_constant)
     )
     noisier = math.exp(model.sensor_noise * stream.standard_normal())
-    noise = {f"perception.noise.{name}": noisier * value for name, value in perception.noise.model_dump().items()}
+    spreads = {name: value for name, value in perception.noise if isinstance(value, float)}
+    noise = {f"perception.noise.{name}": noisier * value for name, value in spreads.items()}
     paths = {
         "target.mass": target.mass * mass,
         "target.inertia": target.inertia * inertia,

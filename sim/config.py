@@ -408,9 +408,21 @@ def _noise(quantity: str, unit: str, most: float) -> Any:
     return _imperfection(f"Standard deviation of the noise in {quantity}", unit, most)
 
 
+class NoiseDraws(StrEnum):
+    """How noise is drawn: each is one stream of numbers, and a run is flown again with its own."""
+
+    SINGLY = "singly"
+    """Each number by itself (what all runs until now were flown with)."""
+    IN_PAIRS = "in_pairs"
+    """Two at a time, in half of the time (futures, which are many)."""
+
+
 class NoiseConfig(ConfigModel):
     """White Gaussian noise in what the controller perceives, drawn again every tick (`sim.perception`)."""
 
+    draws: NoiseDraws = parameter(
+        NoiseDraws.SINGLY, "How noise is drawn", unit="1", source="chosen: runs stay as they were recorded"
+    )
     position: Number = _noise("positions of base and target", "m", 1)
     angle: Number = _noise("angles of base and target", "rad", 3)
     velocity: Number = _noise("velocities of base and target", "m/s", 10)

@@ -17,6 +17,7 @@ from server.rehearsals.worker import Ahead
 from sim.config import MissionConfig
 from sim.control.phases import Command
 from sim.errors import CaptureError, MissionRefused
+from sim.rehearsal.futures import rehearsed
 from sim.rehearsal.rehearsal import Rehearsal, planned
 from sim.rehearsal.situation import REQUESTS
 from sim.rehearsal.uncertainty import UncertaintyModel
@@ -113,4 +114,4 @@ class Foreseen:
 
 def _flies_as(config: MissionConfig, case: MissionConfig) -> bool:
     """Whether a mission so configured is what a case has flown, in an engine and judged as futures are."""
-    return config.model_copy(update={"simulation": case.simulation, "judging": case.judging}) == case
+    return rehearsed(config).model_copy(update={"judging": case.judging}) == case

@@ -10,12 +10,16 @@ import math
 import numpy as np
 
 from sim.compiled import compiled, compiled_inline
-from sim.record import Record
+from sim.config import NoiseDraws
+from sim.model.planar import direction
+from sim.record import Record, code_of
 
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
 _ONE = np.uint64(1)
+
+_IN_PAIRS = code_of(NoiseDraws.IN_PAIRS)
 
 _BASE, _TARGET, _JOINTS, _WRENCHES = 0, 6, 12, 24
 """First channels of the sensors; each pose, twist, joint or wrench has one a number."""
@@ -46,18 +50,24 @@ def add_noise(noise: Record, seed: int, known: Record) -> None:
         known: the readings; changed.
 
     """
-    drawn = _of_tick(seed, known.tick)
+    drawn, in_pairs = _of_tick(seed, known.tick), noise.draws == _IN_PAIRS
     for axis in range(3):
         place, rate = (noise.angle, noise.spin) if axis == 2 else (noise.position, noise.velocity)
-        known.base_pose[axis] += place * _gaussian(drawn, _BASE + axis)
-        known.base_twist[axis] += rate * _gaussian(drawn, _BASE + 3 + axis)
-        known.target_pose[axis] += place * _gaussian(drawn, _TARGET + axis)
-        known.target_twist[axis] += rate * _gaussian(drawn, _TARGET + 3 + axis)
-        push = noise.torque if axis == 2 else noise.force
+        one, other = _two(drawn, _BASE + axis, _BASE + 3 + axis, in_pairs)
+        known.base_pose[axis] += place * one
+        known.base_twist[axis] += rate * other
+        one, other = _two(drawn, _TARGET + axis, _TARGET + 3 + axis, in_pairs)
+        known.target_pose[axis] += place * one
+        known.target_twist[axis] += rate * other
         for arm in range(2):
-            known.joint_angle[arm, axis] += noise.joint_angle * _gaussian(drawn, _JOINTS + 3 * arm + axis)
-            known.joint_rate[arm, axis] += noise.joint_rate * _gaussian(drawn, _JOINTS + 6 + 3 * arm + axis)
-            known.hand_wrench[arm, axis] += push * _gaussian(drawn, _WRENCHES + 3 * arm + axis)
+            joint = _JOINTS + 3 * arm + axis
+            one, other = _two(drawn, joint, joint + 6, in_pairs)
+            known.joint_angle[arm, axis] += noise.joint_angle * one
+            known.joint_rate[arm, axis] += noise.joint_rate * other
+        push = noise.torque if axis == 2 else noise.force
+        one, other = _two(drawn, _WRENCHES + axis, _WRENCHES + 3 + axis, in_pairs)
+        known.hand_wrench[0, axis] += push * one
+        known.hand_wrench[1, axis] += push * other
 
 
 @compiled
@@ -77,6 +87,21 @@ def _gaussian(drawn: np.uint64, channel: int) -> float:
 @compiled_inline
 def _of_tick(seed: int, tick: int) -> np.uint64:
     return _mixed(_mixed(np.uint64(seed)) + np.uint64(tick))
+
+
+@compiled_inline
+def _two(drawn: np.uint64, channel: int, other: int, in_pairs: bool) -> tuple[float, float]:
+    """Draws of two channels: of each by itself, or of both from the first one's bits.
+
+    Box and Muller's radius and direction make two draws. A library's logarithm and cosine take most of the time, so a
+    pair shares the one and has the other by `direction`.
+    """
+    if not in_pairs:
+        return _gaussian(drawn, channel), _gaussian(drawn, other)
+    bits = _mixed(drawn + np.uint64(channel))
+    radius = math.sqrt(-2.0 * math.log(_uniform(bits)))
+    cosine, sine = direction(2.0 * math.pi * _uniform(_mixed(bits)))
+    return radius * cosine, radius * sine
 
 
 @compiled

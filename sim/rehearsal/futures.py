@@ -15,7 +15,7 @@ from sim.capture.caging import cage
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission
 from sim.capture.monitor import outcome_of
-from sim.config import Engine, MissionConfig, SimulationConfig
+from sim.config import Engine, MissionConfig, NoiseDraws, SimulationConfig
 from sim.configurations import nested, revised
 from sim.control.phases import Command
 from sim.errors import PlantError
@@ -63,11 +63,11 @@ class Flown:
 def rehearsed(
     config: MissionConfig, settle: float | None = None, values: Mapping[str, Any] = MappingProxyType({})
 ) -> MissionConfig:
-    """A configuration as futures fly it: in the reduced engine, judged that long after the arms have locked [s].
+    """A configuration as futures fly it: in the reduced engine, its noise in pairs, judged soon after the arms lock.
 
     Args:
         config: what it is made of.
-        settle: at most; None leaves it as it is.
+        settle: that long after at most [s]; None leaves it as it is.
         values: by path, that take the place of those of the configuration first.
 
     Raises:
@@ -79,6 +79,7 @@ def rehearsed(
         f"simulation.{name}": own[name].default for name in ("solver_iterations", "joint_error_time", "collision_slop")
     }
     paths["simulation.engine"] = Engine.REDUCED.value
+    paths["perception.noise.draws"] = NoiseDraws.IN_PAIRS.value
     if settle is not None:
         paths["judging.hold_time"] = min(settle, values.get("judging.hold_time", config.judging.hold_time))
     return revised(config, nested(paths))

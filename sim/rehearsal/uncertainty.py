@@ -311,7 +311,11 @@ def true_config(config: MissionConfig, drawn: Draw) -> MissionConfig:
     servo = config.robot.servo.model_copy(update={"time_constant": values["servo_time_constant"]})
     stiffer = values["contact_stiffness"] / config.contact.stiffness
     noise, capture = config.perception.noise, config.perception.capture
-    noisier = {name: getattr(noise, name) * values["sensor_noise"] for name in type(noise).model_fields}
+    noisier = {
+        name: value * values["sensor_noise"]
+        for name in type(noise).model_fields
+        if isinstance(value := getattr(noise, name), float)
+    }
     return config.model_copy(
         update={
             "robot": config.robot.model_copy(update={"servo": servo}),

@@ -43,6 +43,17 @@ def test_draws_are_standard_normal_and_unlike_their_neighbours():
     assert abs(np.corrcoef(draws[0], other_seed)[0, 1]) < 0.06
 
 
+def test_pairs_are_standard_normal():
+    config = revised(MissionConfig(), nested({**NOISY, "perception.noise.draws": "in_pairs"}))
+    noise, draws = record_of(config)["perception"]["noise"], []
+    for tick in range(4000):
+        known = np.zeros(1, PERCEIVED)[0]
+        known["tick"] = tick
+        add_noise(noise, 3, known)
+        draws.append([*(known["base_pose"][:2] / 1e-3), *(known["base_twist"][:2] / 3e-3)])
+    assert kstest(np.ravel(draws), "norm").pvalue > 0.01
+
+
 SPREADS = {
     "base_pose": [1e-3, 1e-3, 2e-3],
     "base_twist": [3e-3, 3e-3, 4e-3],
@@ -54,9 +65,10 @@ SPREADS = {
 }
 
 
-def _sensed(state, ticks=2000):
+def _sensed(state, draws, ticks=2000):
     """What is read of this state at so many ticks, less the state itself, by field: shape (ticks, numbers)."""
-    noise = record_of(revised(MissionConfig(), nested(NOISY)))["perception"]["noise"]
+    config = revised(MissionConfig(), nested({**NOISY, "perception.noise.draws": draws}))
+    noise = record_of(config)["perception"]["noise"]
     kept = []
     for tick in range(ticks):
         state["tick"] = tick
@@ -68,19 +80,21 @@ def _sensed(state, ticks=2000):
     return {name: np.array([np.ravel(row[name] - state[name]) for row in kept], float) for name in fields}
 
 
-def test_every_channel_has_the_noise_of_its_own_sensor_around_the_true_value():
+@pytest.mark.parametrize("draws", ["singly", "in_pairs"])
+def test_every_channel_has_the_noise_of_its_own_sensor_around_the_true_value(draws):
     state = np.zeros(1, PERCEIVED)[0]
     for place, name in enumerate(SPREADS):
         state[name] = np.arange(state[name].size).reshape(state[name].shape) + 10.0 * place
-    sensed = _sensed(state)
+    sensed = _sensed(state, draws)
     for name, errors in sensed.items():
         spread = np.array(SPREADS.get(name, [0.0] * errors.shape[1]))
         assert errors.std(axis=0) == pytest.approx(spread, rel=0.1), name
         assert np.abs(errors.mean(axis=0)).max() <= 5.0 * spread.max() / math.sqrt(len(errors)), name
 
 
-def test_no_two_channels_hear_the_same_noise():
-    sensed = _sensed(np.zeros(1, PERCEIVED)[0])
+@pytest.mark.parametrize("draws", ["singly", "in_pairs"])
+def test_no_two_channels_hear_the_same_noise(draws):
+    sensed = _sensed(np.zeros(1, PERCEIVED)[0], draws)
     channels = np.hstack([sensed[name] for name in SPREADS])
     assert channels.shape[1] == 30
     assert np.abs(np.corrcoef(channels.T) - np.eye(30)).max() < 0.1
@@ -97,9 +111,11 @@ def test_the_same_seed_gives_the_same_flight_and_another_another():
     assert not np.array_equal(same["commanded_joint_rate"], other["commanded_joint_rate"])
 
 
-def test_a_replay_hears_the_same_noise():
-    _, rows = flown(NOISY)
-    follower = Mission(revised(MissionConfig(), nested(NOISY)))
+@pytest.mark.parametrize("draws", ["singly", "in_pairs"])
+def test_a_replay_hears_the_same_noise(draws):
+    noisy = {**NOISY, "perception.noise.draws": draws}
+    _, rows = flown(noisy)
+    follower = Mission(revised(MissionConfig(), nested(noisy)))
     follower.request(Command.CAPTURE)
     assert np.array_equal(follower.follow(rows)["commanded_joint_rate"], rows["commanded_joint_rate"])
 
