@@ -176,7 +176,10 @@ ABLATIONS = (
     Without("spin that is left on purpose", {f"{_COUPLE}.touch.spin_left": 0.0}),
     Without("the squeeze", {f"{_COUPLE}.closing.squeeze_time": 0.0}),
     Without("damping near singularities", {"control.rates.singularity_handling": "pseudo_inverse"}),
-    Without("second tries", {f"{_COUPLE}.search.most_searches": 1, f"{_COUPLE}.touch.most_touches": 1}),
+    Without(
+        "second tries",
+        {f"{_COUPLE}.search.most_failures": 1, f"{_COUPLE}.search.patience": 0.0, f"{_COUPLE}.touch.most_touches": 1},
+    ),
 )
 
 

@@ -44,6 +44,7 @@ PARAMETER_CHANGES: tuple[Change, ...] = (
     renamed("control.touch", "published.touch"),
     renamed("control.caging", "published.caging"),
     renamed("sensing", "perception"),
+    renamed("co_moving_couple.search.most_searches", "co_moving_couple.search.most_failures"),
 )
 """Paths of the configuration, in the order in which they changed: of runs, presets, studies, events and files."""
 

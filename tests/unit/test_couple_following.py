@@ -10,7 +10,7 @@ import pytest
 
 from sim.config import MissionConfig
 from sim.configurations import revised
-from sim.control.memory import MEMORY
+from sim.control.memory import MEMORY, NEVER
 from sim.control.phases import Phase, Sequence, Verdict
 from sim.method.co_moving_couple.following import detumble, fail, trouble_now
 from sim.method.co_moving_couple.memory import COUPLE_MEMORY, Activity, CoupleHandle, Dropped, PlanKind, Trouble
@@ -103,19 +103,19 @@ class TestTrouble:
 
     def test_is_forgotten_once_both_hands_touch_again(self) -> None:
         flight = Flight(Activity.ENTERING)
-        flight.own.trouble, flight.own.searches = Trouble.NO_PLAN, 3
+        flight.own.trouble, flight.own.failures, flight.own.waiting_since = Trouble.NO_PLAN, 3, NOW - 4.0
         flight.state.touching[:] = 1
         assert flight.react()[1] is Activity.TOUCHING
-        assert (flight.own.trouble, flight.own.searches) == (Trouble.NONE, 0)
+        assert (flight.own.trouble, flight.own.failures, flight.own.waiting_since) == (Trouble.NONE, 0, NEVER)
 
     def test_that_comes_again_and_again_ends_in_holding(self) -> None:
         flight, ends = Flight(Activity.TOUCHING), []
-        for _ in range(METHOD.search.most_searches):
+        for _ in range(METHOD.search.most_failures):
             search = PARAMETERS["co_moving_couple"]["search"]
             ends.append(
                 fail(flight.own, search, flight.state, Phase.CAGING, Trouble.NOT_ENCLOSED, Activity.RECOVERING)[:2]
             )
-        assert ends[:-1] == [(Phase.CAGING, Activity.RECOVERING)] * (METHOD.search.most_searches - 1)
+        assert ends[:-1] == [(Phase.CAGING, Activity.RECOVERING)] * (METHOD.search.most_failures - 1)
         assert ends[-1] == (Phase.HOLDING, Activity.NONE)
         assert flight.own.trouble == Trouble.NOT_ENCLOSED
 
@@ -151,11 +151,19 @@ class TestSearching:
         assert flight.react() == (Phase.DETUMBLING, Activity.ESTIMATING, PlanKind.NONE)
         assert flight.own.since == NOW
 
-    def test_that_finds_nothing_counts_and_says_so(self) -> None:
+    def test_that_finds_nothing_says_so_and_goes_on_until_patience_is_over(self) -> None:
+        for waited, phase in ((0.0, Phase.DETUMBLING), (9.9, Phase.DETUMBLING), (10.0, Phase.HOLDING)):
+            flight = Flight(Activity.ESTIMATING)
+            flight.own.since, flight.own.candidate, flight.own.passing = NOW - 1.0, 90, 2
+            flight.own.waiting_since = NOW - waited
+            assert flight.react()[0] is phase
+            assert (flight.own.trouble, flight.own.failures) == (Trouble.NO_PLAN, 0)
+
+    def test_that_finds_nothing_begins_to_wait(self) -> None:
         flight = Flight(Activity.ESTIMATING)
         flight.own.since, flight.own.candidate, flight.own.passing = NOW - 1.0, 90, 2
         assert flight.react() == (Phase.DETUMBLING, Activity.ESTIMATING, PlanKind.NONE)
-        assert (flight.own.trouble, flight.own.searches) == (Trouble.NO_PLAN, 1)
+        assert (flight.own.trouble, flight.own.waiting_since) == (Trouble.NO_PLAN, NOW)
         assert flight.own.candidate == 0
 
     def test_a_plan_that_is_no_longer_feasible_is_not_flown(self) -> None:

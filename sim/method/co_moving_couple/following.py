@@ -38,7 +38,7 @@ def into(own: Record, state: Record, phase: int, activity: int) -> tuple[int, in
         own.first_touch, own.both_touch = NEVER, 0
         own.force_error[:] = 0.0
         own.touches += 1
-        own.trouble, own.searches = Trouble.NONE, 0
+        own.trouble, own.failures, own.waiting_since = Trouble.NONE, 0, NEVER
     return phase, activity, PlanKind.NONE
 
 
@@ -46,8 +46,22 @@ def into(own: Record, state: Record, phase: int, activity: int) -> tuple[int, in
 def fail(own: Record, search: Record, state: Record, phase: int, trouble: int, following: int) -> tuple[int, int, int]:
     """Note the trouble, and begin what follows from it, unless that was tried too often in a row: then hold."""
     own.trouble = trouble
-    own.searches += 1
-    if own.searches >= search.most_searches:
+    own.failures += 1
+    if own.failures >= search.most_failures:
+        return Phase.HOLDING, Activity.NONE, PlanKind.NONE
+    return into(own, state, phase, following)
+
+
+@compiled
+def wait(own: Record, search: Record, state: Record, phase: int, following: int) -> tuple[int, int, int]:
+    """Note that there is no plan, and look again from what follows, unless there has been none for too long: then hold.
+
+    A target that turns slowly takes long to bring the next corner or side; how many searches that is says nothing.
+    """
+    own.trouble = Trouble.NO_PLAN
+    if own.waiting_since == NEVER:
+        own.waiting_since = state.time
+    if state.time - own.waiting_since >= search.patience:
         return Phase.HOLDING, Activity.NONE, PlanKind.NONE
     return into(own, state, phase, following)
 
@@ -104,7 +118,7 @@ def _begin_found(
         return phase, activity, kind
     on_the_sides = phase == Phase.CAGING and own.trouble == Trouble.NONE and own.touches > 0
     following = Activity.RECOVERING if on_the_sides else Activity.ESTIMATING
-    return fail(own, method.search, state, phase, Trouble.NO_PLAN, following)
+    return wait(own, method.search, state, phase, following)
 
 
 @compiled
@@ -142,7 +156,7 @@ def detumble(own: Record, memory: Record, parameters: Record, state: Record) -> 
     left = time_to_contact(own.best, state)
     if activity == Activity.APPROACHING and own.best.dropped_for != Dropped.NONE:
         search = parameters.co_moving_couple.search
-        return fail(own, search, state, phase, Trouble.NO_PLAN, Activity.ESTIMATING)
+        return wait(own, search, state, phase, Activity.ESTIMATING)
     if activity == Activity.APPROACHING and left <= entry_time(state.target_twist[2]):
         return into(own, state, phase, Activity.ENTERING)
     if activity == Activity.ENTERING and (left <= 0.0 or state.touching[0] or state.touching[1]):

@@ -131,7 +131,8 @@ COUPLE_MEMORY = np.dtype(
         ("since", np.float64),  # the activity began [s]
         ("candidate", np.int64),  # that is rolled out next
         ("passing", np.int64),  # sides let go by in this part of the search
-        ("searches", np.int64),  # without a plan, in a row
+        ("failures", np.int64),  # sequences broken off, in a row
+        ("waiting_since", np.float64),  # for a plan, since the last touch [s]; NEVER while none is missed
         ("touches", np.int64),  # of this sequence
         ("trouble", np.int64),  # the last one, a code of `Trouble`
         ("trial", CANDIDATE),

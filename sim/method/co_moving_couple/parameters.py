@@ -93,11 +93,20 @@ class SearchConfig(ConfigModel):
         le=100,
         live=True,
     )
-    most_searches: WholeNumber = parameter(
+    patience: Number = parameter(
+        10.0,
+        "Without a plan for so long the arms hold",
+        unit="s",
+        source="chosen: until then the next corner has come at the spin that is left on purpose",
+        ge=0,
+        le=600,
+        live=True,
+    )
+    most_failures: WholeNumber = parameter(
         5,
-        "Searches in a row without a plan, or sequences broken off, after which the arms hold",
+        "Sequences broken off in a row after which the arms hold",
         unit="1",
-        source="chosen: 2 s of waiting, in which every face passes at 1 rad/s",
+        source="chosen: what fails five times fails for a reason",
         ge=1,
         le=100,
         live=True,

@@ -35,7 +35,8 @@ def begin(handle: CoupleHandle, memory: Record) -> None:
     """Forget the last sequence; another has begun in the memory's phase."""
     own = handle.own[0]
     own.since, own.manipulability = NEVER, math.inf
-    own.searches = own.touches = own.trouble = 0
+    own.failures = own.touches = own.trouble = 0
+    own.waiting_since = NEVER
     begin_search(own)
 
 
