@@ -25,7 +25,7 @@ from scipy.stats import binomtest
 
 from becalm.typed import parse_setting
 from sim.capture.mission import Mission
-from sim.config import MissionConfig
+from sim.config import MissionConfig, TargetConfig
 from sim.configurations import named_configuration, nested, revised
 from sim.control.phases import Command, Phase
 from sim.method.co_moving_couple.memory import Dropped, Trouble
@@ -50,9 +50,10 @@ def case(
     spins: tuple[float, float] = SPINS,
     spread: float = SPREAD,
     frictions: tuple[float, float] = FRICTIONS,
+    target: TargetConfig | None = None,
 ) -> dict[str, Any]:
-    """What that seed draws: of the target, beside what is as assumed, and of the sensors' noise."""
-    draws, target = np.random.default_rng(seed), MissionConfig().target
+    """What that seed draws: of the target, beside what is as assumed (the default one's), and of the sensors' noise."""
+    draws, target = np.random.default_rng(seed), target or MissionConfig().target
     spin = draws.uniform(*spins) * draws.choice([-1, 1])
     angle, speed, way = draws.uniform(-math.pi, math.pi), draws.uniform(0, 0.01), draws.uniform(-math.pi, math.pi)
     mass, inertia = draws.uniform(1.0 - spread, 1.0 + spread, 2)
@@ -266,7 +267,9 @@ def main() -> int:
             ablations(base, range(arguments.first, arguments.first + arguments.seeds))
         return 0
     for seed in range(arguments.first, arguments.first + arguments.seeds):
-        captured = fly(base, case(seed, tuple(arguments.spin), arguments.spread, tuple(arguments.friction)))
+        captured = fly(
+            base, case(seed, tuple(arguments.spin), arguments.spread, tuple(arguments.friction), base.target)
+        )
         captures.append(captured)
         if not captured.caged:
             text = f"seed {seed}, {captured.spin:.2f} rad/s, {captured.peak:.2f} N: {captured.account}"

@@ -86,6 +86,13 @@ def plan_end(memory: Record) -> float:
     return memory.plan_time[memory.plan_knots - 1] if memory.plan_knots > 1 else NEVER
 
 
+@compiled
+def end_plan(memory: Record, time: float) -> None:
+    """The plan has been carried out by now [s], if not before: sooner than was predicted."""
+    for knot in range(memory.plan_knots):
+        memory.plan_time[knot] = min(memory.plan_time[knot], time)
+
+
 @compiled_inline
 def follow(memory: Record, time: float, arm: int) -> None:
     """Desired pose and twist of one hand on the plan now, into the memory; at rest at the last knot after it."""

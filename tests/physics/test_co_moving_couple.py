@@ -12,6 +12,7 @@ from benchmarks.couple import case, sample
 from sim.capture.events import Ticks
 from sim.capture.mission import Mission
 from sim.capture.replay import FlightHistory, Follower, Intervention, first_difference, rerun
+from sim.capture.run import run_capture
 from sim.compiled import FloatArray
 from sim.config import MissionConfig
 from sim.configurations import revised
@@ -20,7 +21,7 @@ from sim.method.co_moving_couple.memory import Activity, Dropped, Trouble
 from sim.method.co_moving_couple.planner import STEP, roll_out_touch, touch_times
 from sim.method.method import method_of
 from sim.record import Record, record_of
-from sim.snapshot import Outcome
+from sim.snapshot import Outcome, OutcomeClass
 
 SEEDS = (3, 5, 8, 9, 11, 12)
 """Of the sample: spins of -0.7, -2.5, -1.3, 2.7, 0.8 and 1.1 rad/s."""
@@ -195,6 +196,21 @@ def test_a_hexagon_is_captured_as_a_square_is(seed: int) -> None:
     assert flown.outcome.cage_margin > 0.005
     assert flown.outcome.peak_tip_force < GRAVEST
     assert not flown.ticks["solid_contact"].any()
+
+
+@pytest.mark.parametrize("seed", [3, 9])
+def test_a_circle_is_braked_by_friction_while_both_hands_hold_it(seed: int) -> None:
+    changes = case(seed, spins=(0.5, 2.0))
+    changes["target"] |= {"shape": "circle", "inertia": 0.0066}
+    config, spins = revised(SAMPLE, changes), []
+    flown = run_capture(config, on_ticks=lambda rows: spins.append(rows[rows["activity"] == Activity.SQUEEZING]))
+    squeezing = np.concatenate(spins)
+    assert flown.outcome.caged
+    first, last = np.abs(squeezing["target_twist"][[0, -1], 2])
+    assert first > 0.9 * abs(config.target.initial_spin), "nothing has braked it before"
+    assert last < 0.15
+    assert flown.outcome.outcome is not OutcomeClass.CAGED_UNPLANNED_CONTACT
+    assert flown.outcome.peak_tip_force < GRAVEST
 
 
 def test_hands_press_as_wanted_although_their_servos_give_way() -> None:

@@ -87,7 +87,7 @@ class TestTooFar:
 
 
 class TestShapes:
-    """Squares and hexagons; other shapes are refused with what is wrong with them."""
+    """Squares, hexagons, circles; other shapes are refused with what is wrong with them."""
 
     def shaped(self, **target: Any) -> MissionConfig:
         return revised(BECALM, {"target": {"inertia": 0.006, **target}})
@@ -113,8 +113,23 @@ class TestShapes:
         with pytest.raises(ConfigError, match=r"target.sides = 5: method = co_moving_couple .* even number"):
             self.shaped(shape="regular_polygon", sides=5)
 
+    def test_a_circle_is_taken_that_friction_brakes_in_time(self) -> None:
+        config = self.shaped(shape="circle", initial_spin=2.0)
+        assert not self.why(config)
+        assert "ask for the capture as a whole" in self.why(config, Command.DETUMBLE)
+
+    def test_of_a_circle_it_is_said_what_spin_friction_brakes(self) -> None:
+        why = self.why(self.shaped(shape="circle", initial_spin=20.0))
+        assert "it is round" in why
+        most = float(re.findall(r"brake ([\d.]+) rad/s in 10 s", why)[0])
+        stiff = {"co_moving_couple": {"touch": {"planned_cap": 0.3}}}
+        less = self.why(revised(self.shaped(shape="circle", initial_spin=20.0), stiff))
+        left = BECALM.co_moving_couple.touch.spin_left
+        ratio = (float(re.findall(r"brake ([\d.]+) rad/s in 10 s", less)[0]) - left) / (most - left)
+        assert ratio == pytest.approx(0.3 / 0.45, rel=0.01)
+
     def test_a_rectangle_has_corners_that_its_hands_do_not_enclose(self) -> None:
-        with pytest.raises(ConfigError, match=r"captures only a target of shape square or regular_polygon"):
+        with pytest.raises(ConfigError, match=r"captures only a target of shape square or regular_polygon or circle"):
             self.shaped(shape="rectangle", width=0.2, depth=0.1)
 
 

@@ -7,7 +7,7 @@ import math
 from sim.compiled import compiled
 from sim.control.memory import NEVER
 from sim.control.phases import Phase, Sequence
-from sim.control.trajectory import plan_end
+from sim.control.trajectory import end_plan, plan_end
 from sim.method.co_moving_couple.memory import Activity, CoupleHandle, Dropped, PlanKind, Trouble
 from sim.method.co_moving_couple.planner import CLOSINGS, COARSE, MOST_PASSES, REFINED, time_to_contact
 from sim.method.co_moving_couple.reference import DRAWING_BACK, LIFTING, entry_time
@@ -67,15 +67,19 @@ def wait(own: Record, search: Record, state: Record, phase: int, following: int)
 
 
 @compiled
-def search(own: Record, memory: Record, parameters: Record, state: Record) -> tuple[int, int, int]:
-    """Watch, then roll candidates out, one a tick; then begin what the best of them says."""
-    method, phase = parameters.co_moving_couple, memory.phase
+def search(handle: CoupleHandle, memory: Record, parameters: Record, state: Record) -> tuple[int, int, int]:
+    """Watch, then roll candidates out, one a tick; then begin what the best of them says.
+
+    A round target is braked by friction in the closing: no touch comes before.
+    """
+    own, method, phase = handle.own[0], parameters.co_moving_couple, memory.phase
+    slow = abs(state.target_twist[2]) <= method.touch.no_touch_spin or handle.fixed[0].shape.sides == 0
     if state.time - state.target_seen_at > _UNSEEN_LIMIT:
         return into(own, state, phase, Activity.ESTIMATING)
     if state.time - own.since < method.search.estimating_time:
         return phase, Activity.ESTIMATING, PlanKind.NONE
     own.sense = 1.0 if state.target_twist[2] >= 0.0 else -1.0
-    if phase == Phase.DETUMBLING and abs(state.target_twist[2]) <= method.touch.no_touch_spin:
+    if phase == Phase.DETUMBLING and slow:
         over = memory.sequence == Sequence.DETUMBLE_ONLY
         return Phase.HOLDING if over else Phase.CAGING, Activity.NONE, PlanKind.NONE
     return _roll_on(own, method, state, phase)
@@ -221,6 +225,7 @@ def cage(handle: CoupleHandle, memory: Record, parameters: Record, state: Record
         return _squeezed(handle, parameters, state, lasted)
     out_of_reach = own.manipulability < parameters.co_moving_couple.search.manipulability_floor
     if activity == Activity.SETTLING and (lasted >= closing.settling_time or out_of_reach):
+        end_plan(memory, state.time)
         return Phase.HOLDING, Activity.NONE, PlanKind.NONE
     return _go_on_or_recover(own, memory, state)
 
@@ -237,10 +242,12 @@ def _lift_off(own: Record, method: Record, state: Record, lasted: float) -> tupl
 @compiled
 def _squeezed(handle: CoupleHandle, parameters: Record, state: Record, lasted: float) -> tuple[int, int, int]:
     """Settle if both hands are far enough in for a cage, by perceived poses; open again if they do not come in."""
-    own = handle.own[0]
-    if max(own.radius[0], own.radius[1]) <= handle.fixed[0].cage_radius:
+    own, fixed, method = handle.own[0], handle.fixed[0], parameters.co_moving_couple
+    enclosed = max(own.radius[0], own.radius[1]) <= fixed.cage_radius
+    braked = fixed.shape.sides > 0 or own.sense * state.target_twist[2] <= method.touch.spin_left
+    if enclosed and braked:
         return into(own, state, Phase.CAGING, Activity.SETTLING)
-    if lasted < _PATIENCE:
+    if lasted < (method.search.patience if enclosed else _PATIENCE):
         return Phase.CAGING, Activity.SQUEEZING, PlanKind.NONE
     search = parameters.co_moving_couple.search
     return fail(own, search, state, Phase.CAGING, Trouble.NOT_ENCLOSED, Activity.RECOVERING)

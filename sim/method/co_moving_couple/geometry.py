@@ -39,6 +39,30 @@ def closed_radius(robot: RobotModel, shape: Shape) -> float:
 
 
 @compiled
+def frame_angle(shape: Record, target_pose: FloatArray) -> float:
+    """The target's angle that hands go by [rad]; a round one has none, and hands stay where they are while it turns."""
+    return float(target_pose[2]) if shape.sides > 0 else 0.0
+
+
+@compiled
+def round_torque(robot: RobotModel, shape: Record, force: float, friction: float) -> float:
+    """With which friction brakes a round target that both hands press on with all their tips [N m].
+
+    Each of a hand's two tips presses with F / (2 cos a) towards the centre, a being how far it is aside; friction has
+    the target's radius as its lever, at four tips.
+
+    Args:
+        robot: for the tips.
+        shape: of the target.
+        force: of a hand [N].
+        friction: coefficient.
+
+    """
+    aside = robot.tip_offset / (shape.corner_circle + robot.tip_radius)
+    return float(2.0 * friction * force * shape.corner_circle / math.sqrt(1.0 - aside * aside))
+
+
+@compiled
 def touching_tip(sense: float) -> int:
     """The tip of both hands that touches a target which spins in that sense (+1, -1)."""
     return 1 if sense > 0.0 else 0

@@ -12,7 +12,7 @@ import numpy as np
 from sim.compiled import FloatArray, compiled
 from sim.config import HandMount
 from sim.control.memory import NEVER
-from sim.method.co_moving_couple.geometry import HALF_TURN, QUARTER_TURN, hand_before_corner, touching_tip
+from sim.method.co_moving_couple.geometry import HALF_TURN, QUARTER_TURN, frame_angle, hand_before_corner, touching_tip
 from sim.method.co_moving_couple.memory import Activity, CoupleHandle
 from sim.method.co_moving_couple.parameters import Part
 from sim.method.co_moving_couple.reference import approach_speed, lever_at, touch_angle
@@ -279,11 +279,11 @@ def close_in(
         velocity: twists, shape (2, 3); changed.
 
     """
-    own, gain = handle.own[0], parameters.co_moving_couple.closing.gain
+    own, gain, shape = handle.own[0], parameters.co_moving_couple.closing.gain, handle.fixed[0].shape
     damping = parameters.co_moving_couple.touch.damping
     pose, twist = np.empty(3), np.empty(3)
     for arm in range(2):
-        corner = state.target_pose[2] + own.close.corner
+        corner = frame_angle(shape, state.target_pose) + own.close.corner
         line = corner - (HALF_TURN if arm == 0 else 0.0)
         nx, ny = math.cos(line), math.sin(line)
         far = nx * (hand_pose[arm, 0] - state.target_pose[0]) + ny * (hand_pose[arm, 1] - state.target_pose[1])
@@ -298,6 +298,8 @@ def close_in(
         moving_with_target(state, pose, twist)
         if parameters.co_moving_couple.without == _TURNING:
             twist[:] = 0.0
+        if shape.sides == 0:
+            twist[0], twist[1], twist[2] = state.target_twist[0], state.target_twist[1], 0.0
         twist[0] += speed * nx
         twist[1] += speed * ny
         go_to(memory, gain, hand_pose, arm, pose, twist, velocity)

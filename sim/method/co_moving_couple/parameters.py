@@ -360,8 +360,10 @@ class ClosingConfig(ConfigModel):
 class CoMovingCoupleConfig(MethodConfig):
     """Both hands brake the target as a couple that moves with its faces, then close while turning with it (Becalm)."""
 
-    target_shapes: ClassVar = ("square", "regular_polygon")
-    why_these_shapes: ClassVar = "its hands touch opposite sides and enclose opposite corners whose sides are alike"
+    target_shapes: ClassVar = ("square", "regular_polygon", "circle")
+    why_these_shapes: ClassVar = (
+        "its hands touch opposite sides and enclose opposite corners whose sides are alike, or hold what is round"
+    )
     opposite_sides: ClassVar = True
 
     search: SearchConfig = SearchConfig()

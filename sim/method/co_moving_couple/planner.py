@@ -17,9 +17,11 @@ from sim.control.trajectory import time_scaling
 from sim.method.co_moving_couple.geometry import (
     HALF_TURN,
     QUARTER_TURN,
+    frame_angle,
     from_target,
     half_side,
     hand_before_corner,
+    round_torque,
     tip_distance,
     to_target,
     touching_tip,
@@ -79,6 +81,10 @@ GAP_PARTS = (1.0, 0.55, 0.33)
 """From where hands begin a closing: parts of the usual gap."""
 CLOSINGS = 2 * len(GAP_PARTS)
 """Candidates of a closing: each gap, at the nearest corner and at the next."""
+ROUND_LEAN = 0.4
+"""How far the line of both hands may lean in the sense of the spin to hold a round target [rad]."""
+ROUND_BRAKING = 1.5
+"""In which friction should brake a round target, where the caps allow it [s]: it costs nothing but time."""
 STEP = 0.05
 """Of a roll-out [s]."""
 _SOON = 0.1
@@ -190,10 +196,34 @@ def candidate_closing(handle: CoupleHandle, parameters: Record, state: Record, i
     widest = closing.near_gap if after_touch else closing.far_gap
     plan.gap = widest * GAP_PARTS[index % len(GAP_PARTS)]
     plan.regrasp = closing.regrasp_time if after_touch else parameters.co_moving_couple.search.least_approach_time
-    plan.corner = corner_towards(shape, state.target_pose[2], state.base_pose[2])
-    if index >= len(GAP_PARTS):
+    plan.corner = corner_towards(shape, frame_angle(shape, state.target_pose), state.base_pose[2])
+    if shape.sides == 0:
+        plan.force = _round_force(handle, parameters, state)
+        plan.spin_after = min(abs(state.target_twist[2]), parameters.co_moving_couple.touch.spin_left)
+        plan.corner += ROUND_LEAN * math.copysign(index // len(GAP_PARTS), state.target_twist[2])
+    elif index >= len(GAP_PARTS):
         away = plan.corner + state.target_pose[2] - state.base_pose[2]
         plan.corner -= math.copysign(shape.symmetry_angle, away)
+
+
+@compiled
+def _round_force(handle: CoupleHandle, parameters: Record, state: Record) -> float:
+    """With which hands press on a round target so that friction brakes it in `ROUND_BRAKING`, within the caps [N]."""
+    touch, fixed = parameters.co_moving_couple.touch, handle.fixed[0]
+    per_newton = round_torque(fixed.robot, fixed.shape, 1.0, touch.assumed_friction)
+    torque = state.target_inertia * max(0.0, abs(state.target_twist[2]) - touch.spin_left) / ROUND_BRAKING
+    most = min(touch.planned_cap, touch.force_cap)
+    return float(min(most, max(parameters.co_moving_couple.closing.squeeze_force, torque / per_newton)))
+
+
+@compiled
+def _round_braking(handle: CoupleHandle, parameters: Record, state: Record, plan: Record) -> float:
+    """How long friction takes to brake a round target with the plan's force [s]; no time for any other."""
+    fixed, friction = handle.fixed[0], parameters.co_moving_couple.touch.assumed_friction
+    if fixed.shape.sides > 0 or plan.force == 0.0:
+        return 0.0
+    lost = state.target_inertia * (abs(state.target_twist[2]) - plan.spin_after)
+    return float(lost / round_torque(fixed.robot, fixed.shape, plan.force, friction))
 
 
 @compiled
@@ -250,9 +280,12 @@ def _times(contact: float, pressing: float, leave: float, method: Record, regras
 
 
 @compiled
-def closing_times(plan: Record, method: Record) -> Times:
-    """The same of a closing that begins now."""
-    return _times(0.0, 0.0, 0.0, method, plan.regrasp)
+def closing_times(handle: CoupleHandle, parameters: Record, state: Record, plan: Record) -> Times:
+    """The same of a closing that begins now; the squeeze brakes a target that is round."""
+    method = parameters.co_moving_couple
+    times = _times(0.0, 0.0, 0.0, method, plan.regrasp)
+    braking = _round_braking(handle, parameters, state, plan)
+    return Times(0.0, 0.0, 0.0, times.away, times.grasp, times.end + braking, times.drift)
 
 
 @compiled
@@ -286,8 +319,10 @@ def roll_out_closing(
     handle: CoupleHandle, parameters: Record, state: Record, hand_pose: FloatArray, plan: Record, worth: float
 ) -> None:
     """Roll a closing out from now, with its `corner`, `gap` and `regrasp`; otherwise as `roll_out_touch`."""
-    plan.spin_after, plan.force, plan.unfinished = abs(state.target_twist[2]), 0.0, 0
-    _roll_out(handle, parameters, state, hand_pose, plan, closing_times(plan, parameters.co_moving_couple), worth)
+    plan.unfinished = 0
+    if handle.fixed[0].shape.sides > 0:
+        plan.spin_after, plan.force = abs(state.target_twist[2]), 0.0
+    _roll_out(handle, parameters, state, hand_pose, plan, closing_times(handle, parameters, state, plan), worth)
 
 
 @compiled
@@ -306,7 +341,7 @@ def _roll_out(
     if times.end > STEP * handle.work[0].path.shape[0]:
         plan.dropped_for = Dropped.HORIZON
         return
-    _begin_roll_out(handle.fixed[0].robot, state, hand_pose, now)
+    _begin_roll_out(handle, state, hand_pose, now)
     floor = (_SAFE if times.contact > 0.0 else 1.0) * method.search.manipulability_floor
     most_rotation = method.search.most_base_rotation
     if method.without == _PREDICTION:
@@ -317,6 +352,7 @@ def _roll_out(
             return
         time, plan.steps = (step + 1) * STEP, step + 1
         spin = target_at(plan, state, times, time, now.target)
+        spin = _round_spin(handle, parameters, state, plan, times, time, spin)
         if time > times.away and plan.corner == NO_CORNER:
             plan.corner = corner_towards(handle.fixed[0].shape, now.target[2], state.base_pose[2])
         if time - STEP < times.pressing <= time < times.leave:
@@ -345,13 +381,15 @@ def _roll_out(
 
 
 @compiled
-def _begin_roll_out(robot: RobotModel, state: Record, hand_pose: FloatArray, now: Record) -> None:
+def _begin_roll_out(handle: CoupleHandle, state: Record, hand_pose: FloatArray, now: Record) -> None:
     """Robot, target and hands as they are, with the momentum that the robot has."""
     copy_vector(now.base, state.base_pose)
     copy_rows(now.joint_angle, state.joint_angle)
     copy_vector(now.mount_angle, state.mount_angle)
     now.mount_rate[:] = 0.0
     copy_vector(now.target, state.target_pose)
+    now.target[2] = frame_angle(handle.fixed[0].shape, state.target_pose)
+    robot = handle.fixed[0].robot
     set_shape_at(robot, now.joint_angle, now.mount_angle, now.shape)
     set_chain(now.base, now.shape, now.links)
     momentum_of(now.shape, state, now.momentum)
@@ -370,6 +408,22 @@ def target_at(plan: Record, state: Record, times: Times, time: float, pose: Floa
     rate = (last - spin) / whole if whole > 0.0 else 0.0
     pose[2] = state.target_pose[2] + spin * free + (spin + 0.5 * rate * braked) * braked + last * max(0.0, rest)
     return float(spin + rate * braked)
+
+
+@compiled
+def _round_spin(
+    handle: CoupleHandle, parameters: Record, state: Record, plan: Record, times: Times, time: float, otherwise: float
+) -> float:
+    """The spin of a round target so long from now [s], braked evenly at the end of a closing; of others as given.
+
+    The round one of the roll-out has no angle that hands go by.
+    """
+    if handle.fixed[0].shape.sides > 0:
+        return otherwise
+    handle.work[0].target[2] = 0.0
+    spin, braking = state.target_twist[2], _round_braking(handle, parameters, state, plan)
+    part = 1.0 if braking == 0.0 else min(1.0, max(0.0, 1.0 - (times.end - time) / braking))
+    return float(spin + part * (math.copysign(plan.spin_after, spin) - spin))
 
 
 @compiled

@@ -89,7 +89,12 @@ def lever_at(plan: Record, sense: float, normal_angle: float) -> float:
 
 @compiled
 def corner_towards(shape: Record, target_angle: float, direction: float) -> float:
-    """The corner of the target, an angle in its frame [rad], that is nearest to a direction in the world [rad]."""
+    """The corner of the target, an angle in its frame [rad], that is nearest to a direction in the world [rad].
+
+    A round target is as good in every direction.
+    """
+    if shape.sides == 0:
+        return direction - target_angle
     best, least = 0.0, math.inf
     for corner in range(shape.corners):
         angle = math.atan2(shape.vertices[corner, 1], shape.vertices[corner, 0])

@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from sim.config import Estimator, MissionConfig, RobotConfig
+from sim.config import Estimator, MissionConfig, RobotConfig, TargetShape
 from sim.control.phases import Command
-from sim.method.co_moving_couple.geometry import closed_radius, half_side
+from sim.method.co_moving_couple.geometry import closed_radius, half_side, round_torque
 from sim.method.co_moving_couple.parameters import CoMovingCoupleConfig, TouchConfig
 from sim.method.co_moving_couple.planner import ARCS, mean_lever
 from sim.method.method import method_of
@@ -30,8 +30,31 @@ _LINES = np.linspace(0.0, 2.0 * math.pi, 72, endpoint=False)
 def refusal(command: Command, config: MissionConfig, row: Record, *, on_robot: bool) -> str:
     """Why a command cannot end well from a tick on (one element of `TICK`), with numbers; empty if it can."""
     del on_robot  # what the geometry forbids, it forbids in the simulation, too
-    against = (_too_short(config, row) or _too_fast(config, row)) if command in BRAKING else ""
+    if config.target.shape is TargetShape.CIRCLE:
+        against = _too_smooth(command, config, row)
+    else:
+        against = (_too_short(config, row) or _too_fast(config, row)) if command in BRAKING else ""
     return against or (_too_far(config, row) if command in CLOSING else "")
+
+
+def _too_smooth(command: Command, config: MissionConfig, row: Record) -> str:
+    """Friction alone brakes a round target, while both hands hold it: too slowly, or it is asked for without them."""
+    method, spin = config.co_moving_couple, abs(float(row["target_perceived_twist"][2]))
+    if command is Command.DETUMBLE and spin > method.touch.no_touch_spin:
+        return "friction brakes a round target while both hands enclose it: ask for the capture as a whole"
+    estimated = config.perception.estimator is Estimator.MODEL_BASED
+    inertia = float(row["target_perceived_inertia"]) if estimated else config.perception.assumed_inertia
+    force, friction = min(method.touch.planned_cap, method.touch.force_cap), method.touch.assumed_friction
+    shape = packed(seen_target_shape(config.target))[0]
+    torque = round_torque(robot_model(config.robot), shape, force, friction)
+    most = method.touch.spin_left + torque * method.search.patience / inertia
+    if spin <= most:
+        return ""
+    return (
+        f"the target spins at {spin:.2f} rad/s: it is round, so that friction alone brakes it, and hands that press "
+        f"with {force:g} N (co_moving_couple.touch.planned_cap) brake {most:.2f} rad/s in "
+        f"{method.search.patience:g} s (.search.patience) with a friction of {friction:g} (.touch.assumed_friction)"
+    )
 
 
 def _too_short(config: MissionConfig, row: Record) -> str:

@@ -10,7 +10,7 @@ from sim.control.memory import KNOTS, NEVER
 from sim.control.phases import Phase, Verdict, phase_after
 from sim.control.trajectory import BOTH_ARMS, plan_opening, start_plan
 from sim.method.co_moving_couple.following import begin_search, cage, detumble, fail, into, release, search, trouble_now
-from sim.method.co_moving_couple.geometry import tip_on_face, to_target
+from sim.method.co_moving_couple.geometry import frame_angle, tip_on_face, to_target
 from sim.method.co_moving_couple.laws import follow_faces, note_yielding
 from sim.method.co_moving_couple.memory import Activity, CoupleHandle, Dropped, PlanKind, Trouble
 from sim.method.co_moving_couple.planner import (
@@ -63,7 +63,7 @@ def _go_on(handle: CoupleHandle, memory: Record, parameters: Record, state: Reco
     """What follows while a sequence is under way."""
     own = handle.own[0]
     if memory.activity == Activity.ESTIMATING:
-        return search(own, memory, parameters, state)
+        return search(handle, memory, parameters, state)
     trouble = trouble_now(own, memory, parameters, state)
     if trouble != Trouble.NONE:
         search_limits = parameters.co_moving_couple.search
@@ -120,7 +120,10 @@ def _show(handle: CoupleHandle, memory: Record, parameters: Record, plan: Record
         memory.plan_pose[:, knot, :] = handle.work[0].path[step, :2]
     memory.plan_knots = KNOTS
     method = parameters.co_moving_couple
-    times = touch_times(plan, method, state) if memory.plan_kind == PlanKind.TOUCH else closing_times(plan, method)
+    if memory.plan_kind == PlanKind.TOUCH:
+        times = touch_times(plan, method, state)
+    else:
+        times = closing_times(handle, parameters, state, plan)
     target_at(plan, state, times, times.end, memory.predicted_target)
 
 
@@ -188,4 +191,6 @@ def _keep_start(handle: CoupleHandle, memory: Record, state: Record, hand_pose: 
     for arm in range(2):
         own.start_pose[arm, :] = hand_pose[arm]
         if relative:
-            to_target(state.target_pose, hand_pose[arm], own.start_pose[arm])
+            target = state.target_pose.copy()
+            target[2] = frame_angle(handle.fixed[0].shape, target)
+            to_target(target, hand_pose[arm], own.start_pose[arm])

@@ -9,7 +9,7 @@ import numpy as np
 from sim.compiled import FloatArray, compiled
 from sim.control.phases import Phase
 from sim.control.trajectory import time_scaling
-from sim.method.co_moving_couple.geometry import from_target, hand_before_corner, touching_tip
+from sim.method.co_moving_couple.geometry import frame_angle, from_target, hand_before_corner, touching_tip
 from sim.method.co_moving_couple.laws import close_in, go_to
 from sim.method.co_moving_couple.memory import Activity, CoupleHandle
 from sim.method.co_moving_couple.planner import time_to_contact
@@ -54,6 +54,7 @@ def _goal(
     """Where a hand should be, shape (3,), so long after its activity began and so far ahead of now [s]."""
     own, activity = handle.own[0], memory.activity
     start, target = own.start_pose[arm], state.target_pose + ahead * state.target_twist
+    target[2] = frame_angle(handle.fixed[0].shape, target)
     goal = np.empty(3)
     if activity in (Activity.APPROACHING, Activity.ENTERING):
         _to_the_side(handle, activity, parameters, state, since + ahead, ahead, arm, pose)
@@ -120,6 +121,8 @@ def close(
         force = closing.contact_force
     else:
         radius, rate, force = 0.0, 0.0, closing.squeeze_force
+        if activity == Activity.SQUEEZING:
+            force = max(force, own.close.force)  # that brakes a round target
     memory.wanted_force[:] = force
     if activity == Activity.SETTLING:
         memory.joint_rate_share = 1.0 - time_scaling(min(1.0, since / closing.settling_time))[0]
