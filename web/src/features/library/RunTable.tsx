@@ -105,7 +105,7 @@ const COLUMNS: readonly Column[] = [
 function Head({ column, query }: { readonly column: Column; readonly query: LibraryQuery }) {
   const sorted = query.sort === column.key ? (query.descending ? "descending" : "ascending") : undefined;
   return (
-    <th scope="col" aria-sort={sorted} data-number={column.number}>
+    <th scope="col" aria-sort={sorted} data-column={column.key} data-number={column.number}>
       <Tooltip label={column.title} w={280} position="bottom">
         <button
           type="button"
