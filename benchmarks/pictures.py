@@ -105,6 +105,8 @@ def rehearsal(browser: Browser, running: Running) -> Page:
     _seen(page)
     page.get_by_role("button", name="Rehearse", exact=True).first.click()
     page.get_by_role("button", name="Dismiss the rehearsal").wait_for()
+    command(running, "pause")
+    page.get_by_text("The clock runs late").wait_for(state="hidden")
     return page
 
 
@@ -125,7 +127,7 @@ def runs(browser: Browser, running: Running) -> Page:
         _finished(running, other | {"changes": FAST})
     run = _finished(running, RUN)
     page = _page(browser, running, f"#/runs/{run}?t={SHOWN_AT}")
-    page.get_by_role("region", name="Replay in the scene").get_by_text("peak so far").wait_for()
+    page.get_by_label("At this moment").get_by_text("No data yet.").wait_for(state="hidden")
     _seen(page)
     return page
 
@@ -140,7 +142,7 @@ def studies(browser: Browser, running: Running) -> Page:
     """The paper's study, beside what the paper has."""
     study = _asked(running, "/studies", {"study": "published"})["id"]
     page = _page(browser, running, f"#/studies/{study}")
-    page.get_by_text("finished, 484 of 484 cells").first.wait_for()
+    page.get_by_text("finished, 484 of 484 cells").first.wait_for(timeout=3 * PATIENCE)
     return page
 
 

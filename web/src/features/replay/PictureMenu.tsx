@@ -160,7 +160,9 @@ interface PictureMenuProps {
 
 export function PictureMenu({ playback, takePicture, drawn }: PictureMenuProps) {
   const run = useView((view) => view.run?.id ?? null);
-  const seen = drawn && run !== null;
+  // Until a moment has been told, nothing in the scene stands where it belongs.
+  const told = useView((view) => view.snapshot !== null);
+  const seen = drawn && told && run !== null;
   const studio = useStudio(playback, takePicture, seen);
   const [sizeName, setSizeName] = useKept("becalm-picture-size", "1920 × 1080", SIZE_NAMES);
   const size = SIZES[sizeName] ?? { width: 1920, height: 1080 };
