@@ -37,7 +37,7 @@ import { ComparisonPanel } from "./ComparisonPanel";
 import styles from "./LibraryPage.module.css";
 import { showQuery, runHash, type LibraryQuery } from "./query";
 import { useReadAgain, useStored } from "./use-library";
-import { verdictWords } from "./Verdict";
+import { outcomeWords, verdictWords } from "./Verdict";
 import { changeWords, configurationWords, damageWords, statusWords, tagsOf } from "./labels";
 
 /** What became of it, at the top of the page: what stands below may be out of sight. */
@@ -78,6 +78,7 @@ function Head({ run, query, runAction }: { readonly run: Run; readonly query: Li
 function RunFacts({ run }: { readonly run: Run }) {
   const facts: readonly Fact[] = [
     ["Run", run.id],
+    ...(run.earlier_outcomes.length === 0 ? [] : [["Earlier sequences", run.earlier_outcomes.map(outcomeWords).join("\n")] as const]),
     ["Configuration", configurationWords(run)],
     ["Changed", run.changes.length === 0 ? "none" : run.changes.map(changeWords).join("\n")],
     ["Method", methodWords(run.config.method)],

@@ -1,5 +1,6 @@
 /** How a run ended, by its verdict; what it is doing, without one. */
 import type { RunSummary } from "../../api/types";
+import { fixed } from "../../units/units";
 import { classStyle } from "../glossary/class-style";
 import styles from "./RunTable.module.css";
 import { statusWords } from "./labels";
@@ -15,3 +16,7 @@ export function VerdictMark({ run }: { readonly run: RunSummary }) {
 }
 
 export const verdictWords = (run: RunSummary): string => (run.outcome === null ? statusWords(run) : classStyle(run.outcome.outcome).words);
+
+/** Of a sequence that was not the run's last: class and peak. */
+export const outcomeWords = ({ outcome, peak_tip_force }: NonNullable<RunSummary["outcome"]>): string =>
+  `${classStyle(outcome).words}, ${fixed(peak_tip_force, 2)} N`;
