@@ -118,6 +118,8 @@ def atlas(browser: Browser, running: Running) -> Page:
     flying = page.get_by_role("main").get_by_role("button", name="Cancel", exact=True)
     flying.wait_for()
     flying.wait_for(state="hidden", timeout=3 * PATIENCE)
+    page.get_by_role("main").get_by_role("combobox").filter(has_text="outcome").click()
+    page.get_by_role("option", name="peak tip force").first.click()
     return page
 
 
