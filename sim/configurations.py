@@ -406,7 +406,7 @@ def explained(error: ValidationError) -> str:
     for finding in findings[:MOST_FINDINGS]:
         path = shortened(".".join(str(part) for part in finding["loc"]))
         if finding["type"] == "extra_forbidden":
-            lines.append(unknown_parameter(path))
+            lines.append(_unknown_part(path))
         elif path and isinstance(finding["input"], Mapping):  # of a group: its parts do not fit one another
             lines.append(f"{path}: {finding['msg'].removeprefix('Value error, ')}")
         elif path:
@@ -418,6 +418,14 @@ def explained(error: ValidationError) -> str:
     if len(findings) > MOST_FINDINGS:
         lines.append(f"and {len(findings) - MOST_FINDINGS} more")
     return "; ".join(lines)
+
+
+def _unknown_part(path: str) -> str:
+    """Why there is nothing of that path in a nested configuration: unknown, or in one piece."""
+    if path not in PARAMETERS:
+        return unknown_parameter(path)
+    nested_path = ": {".join(f'"{name}"' for name in path.split("."))
+    return f'"{path}": groups are nested here, {{{nested_path}: ...{"}" * path.count(".")}}}'
 
 
 def independent_findings(error: ValidationError) -> list[Any]:

@@ -68,7 +68,7 @@ SHAPE: tuple[Edit, ...] = (
         case TargetShape.POLYGON:
 """,
     ),
-    ("sim/model/target.py", "even_plate, rectangle", "even_plate, polygon, rectangle"),
+    ("sim/model/target.py", "even_plate, moved, rectangle", "even_plate, moved, polygon, rectangle"),
 )
 PLANT: tuple[Edit, ...] = (
     (

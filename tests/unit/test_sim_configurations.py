@@ -187,6 +187,11 @@ class TestBounds:
         with pytest.raises(ConfigError, match=f"changes = more than [0-9]+ {bound}"):
             revised(MissionConfig(), changes)
 
+    def test_a_path_in_one_piece_is_told_how_it_is_nested(self):
+        nested_path = r'"simulation\.engine": groups are nested here, \{"simulation": \{"engine": \.\.\.\}\}'
+        with pytest.raises(ConfigError, match=nested_path):
+            revised(MissionConfig(), {"simulation.engine": "reduced"})
+
     def test_a_message_tells_of_some_and_how_many_more(self):
         with pytest.raises(ConfigError, match=r"stranger_0 is not a parameter.*; and 12 more$") as refused:
             revised(MissionConfig(), {f"stranger_{number}": 1.0 for number in range(20)})
