@@ -74,6 +74,15 @@ class Console:
                     return run
                 await asyncio.sleep(0.02)
 
+    async def until_events(self, run_id: str, fits: Callable[[list[dict[str, Any]]], bool]) -> list[dict[str, Any]]:
+        """The events of a run, once the thread that writes them has kept those that fit."""
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                events: list[dict[str, Any]] = (await self.http.get(f"/runs/{run_id}/events")).json()
+                if fits(events):
+                    return events
+                await asyncio.sleep(0.02)
+
 
 @pytest.fixture
 def settings(tmp_path) -> Settings:

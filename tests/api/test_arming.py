@@ -23,13 +23,19 @@ async def test_an_armed_command_is_granted_once(console):
     assert again.status_code == 409
     assert "no longer good" in again.json()["detail"]
     assert (await console.snapshot())["phase"] == "holding"
-    assert [event["command"] for event in await _commands(console)] == ["arm", "detumble", "hold", "detumble"]
+    events = await _until_commands(console, 4)
+    assert [event["command"] for event in events] == ["arm", "detumble", "hold", "detumble"]
 
 
-async def _commands(console) -> list[dict]:
+async def _until_commands(console, count: int) -> list[dict]:
+    """The commands of the run under way, once the thread that writes it has kept so many."""
     run = (await console.snapshot())["run_id"]
     await console.until_run(run, "running", "finished", "cancelled")
-    events = (await console.http.get(f"/runs/{run}/events")).json()
+    events = await console.until_events(run, lambda events: len(_commands(events)) >= count)
+    return _commands(events)
+
+
+def _commands(events: list[dict]) -> list[dict]:
     return [event for event in events if event["kind"] == "command"]
 
 

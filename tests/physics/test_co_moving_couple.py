@@ -256,7 +256,10 @@ class TestRepeatability:
 @pytest.fixture(scope="module")
 def unreachable() -> Mission:
     """A mission with a target that no hand reaches, flown until it holds."""
-    far = {"target": {"initial_y": 0.60, "initial_x": 0.0, "initial_velocity_x": 0.0, "initial_velocity_y": 0.0}}
+    far = {
+        "target": {"initial_y": 0.60, "initial_x": 0.0, "initial_velocity_x": 0.0, "initial_velocity_y": 0.0},
+        "co_moving_couple": {"search": {"patience": 3.0}},
+    }
     mission = Mission(revised(revised(SAMPLE, case(12)), far))
     mission.request(Command.CAPTURE)
     while mission.phase is Phase.DETUMBLING and mission.time < 6.0:
